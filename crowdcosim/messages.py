@@ -1,0 +1,457 @@
+"""The messages that components exchange: typed, frozen, checked when made.
+
+Generated from `crowdcosim/interfaces/msg/*.msg` by `python crowdcosim/interfaces/generate.py`; do not edit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crowdcosim.message import ArrayField, Message, SequenceField
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Time(Message):
+    """The standard ROS 2 message `builtin_interfaces/msg/Time`."""
+
+    TYPE: ClassVar[str] = "builtin_interfaces/msg/Time"
+
+    sec: int = 0
+    nanosec: int = 0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Header(Message):
+    """The standard ROS 2 message `std_msgs/msg/Header`."""
+
+    TYPE: ClassVar[str] = "std_msgs/msg/Header"
+
+    stamp: Time = field(default_factory=Time)
+    frame_id: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Vector3(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/Vector3`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/Vector3"
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Point(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/Point`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/Point"
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Quaternion(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/Quaternion`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/Quaternion"
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    w: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Pose(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/Pose`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/Pose"
+
+    position: Point = field(default_factory=Point)
+    orientation: Quaternion = field(default_factory=Quaternion)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class PoseWithCovariance(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/PoseWithCovariance`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/PoseWithCovariance"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("covariance", np.dtype(np.float64), (36,)),
+    )
+
+    pose: Pose = field(default_factory=Pose)
+    covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(36, np.float64))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Twist(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/Twist`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/Twist"
+
+    linear: Vector3 = field(default_factory=Vector3)
+    angular: Vector3 = field(default_factory=Vector3)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class TwistWithCovariance(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/TwistWithCovariance`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/TwistWithCovariance"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("covariance", np.dtype(np.float64), (36,)),
+    )
+
+    twist: Twist = field(default_factory=Twist)
+    covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(36, np.float64))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Transform(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/Transform`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/Transform"
+
+    translation: Vector3 = field(default_factory=Vector3)
+    rotation: Quaternion = field(default_factory=Quaternion)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class TransformStamped(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/TransformStamped`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/TransformStamped"
+
+    header: Header = field(default_factory=Header)
+    child_frame_id: str = ""
+    transform: Transform = field(default_factory=Transform)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Odometry(Message):
+    """The standard ROS 2 message `nav_msgs/msg/Odometry`."""
+
+    TYPE: ClassVar[str] = "nav_msgs/msg/Odometry"
+
+    header: Header = field(default_factory=Header)
+    child_frame_id: str = ""
+    pose: PoseWithCovariance = field(default_factory=PoseWithCovariance)
+    twist: TwistWithCovariance = field(default_factory=TwistWithCovariance)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Clock(Message):
+    """The standard ROS 2 message `rosgraph_msgs/msg/Clock`."""
+
+    TYPE: ClassVar[str] = "rosgraph_msgs/msg/Clock"
+
+    clock: Time = field(default_factory=Time)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class LaserScan(Message):
+    """The standard ROS 2 message `sensor_msgs/msg/LaserScan`."""
+
+    TYPE: ClassVar[str] = "sensor_msgs/msg/LaserScan"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("ranges", np.dtype(np.float32), ("_",), may_be_infinite=True),
+        ArrayField("intensities", np.dtype(np.float32), ("_",)),
+    )
+    _NARROW: ClassVar[tuple[str, ...]] = (
+        "angle_min",
+        "angle_max",
+        "angle_increment",
+        "time_increment",
+        "scan_time",
+        "range_min",
+        "range_max",
+    )
+
+    header: Header = field(default_factory=Header)
+    angle_min: float = 0.0
+    angle_max: float = 0.0
+    angle_increment: float = 0.0
+    time_increment: float = 0.0
+    scan_time: float = 0.0
+    range_min: float = 0.0
+    range_max: float = 0.0
+    ranges: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
+    intensities: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class TFMessage(Message):
+    """The standard ROS 2 message `tf2_msgs/msg/TFMessage`."""
+
+    TYPE: ClassVar[str] = "tf2_msgs/msg/TFMessage"
+    _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = (
+        SequenceField("transforms", "_"),
+    )
+
+    transforms: tuple[TransformStamped, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class BeamAgents(Message):
+    """Who each beam of a laser scan has hit; beam order as in the LaserScan of the same sensor and time."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/BeamAgents"
+    NOTHING: ClassVar[int] = 0
+    WALL: ClassVar[int] = 1
+    PERSON: ClassVar[int] = 2
+    ROBOT: ClassVar[int] = 3
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("kind", np.dtype(np.uint8), ("B",)),
+        ArrayField("agent", np.dtype(np.uint32), ("B",)),
+    )
+
+    header: Header = field(default_factory=Header)
+    """time and frame of the scan"""
+    kind: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    """(B,) NOTHING, WALL, PERSON or ROBOT"""
+    agent: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
+    """(B,) a person's id, a robot's number (from 1), a wall's (from 1), 0 for nothing"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Contacts(Message):
+    """What touched one robot during the step that ends at this time: a structure of arrays over C contacts."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Contacts"
+    WALL: ClassVar[int] = 1
+    PERSON: ClassVar[int] = 2
+    ROBOT: ClassVar[int] = 3
+    NO_PART: ClassVar[int] = 0
+    FEET: ClassVar[int] = 1
+    LOWER_LEGS: ClassVar[int] = 2
+    UPPER_LEGS: ClassVar[int] = 3
+    UPPER_BODY: ClassVar[int] = 4
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("kind", np.dtype(np.uint8), ("C",)),
+        ArrayField("agent", np.dtype(np.uint32), ("C",)),
+        ArrayField("body_part", np.dtype(np.uint8), ("C",)),
+        ArrayField("position", np.dtype(np.float64), ("C", 2)),
+        ArrayField("normal", np.dtype(np.float64), ("C", 2)),
+        ArrayField("relative_velocity", np.dtype(np.float64), ("C", 2)),
+        ArrayField("approach_speed", np.dtype(np.float64), ("C",)),
+        ArrayField("reflected_mass", np.dtype(np.float64), ("C",)),
+        ArrayField("energy", np.dtype(np.float64), ("C",)),
+        ArrayField("duration", np.dtype(np.float64), ("C",)),
+    )
+
+    header: Header = field(default_factory=Header)
+    """end of the step; frame map"""
+    robot: str = ""
+    """the robot that was touched"""
+    kind: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    """(C,) WALL, PERSON or ROBOT"""
+    agent: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
+    """(C,) a person's id, a robot's number (from 1, in the order of the scenario) or a wall's (from 1)"""
+    body_part: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    """(C,) the person's part, NO_PART if it is not a person"""
+    position: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(C, 2) point of contact [m]"""
+    normal: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(C, 2) unit vector from the robot's centre to the contact"""
+    relative_velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(C, 2) velocity of the other minus the robot's, when they met [m/s]"""
+    approach_speed: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(C,) closing speed of the two centres when they met, positive when closing [m/s]"""
+    reflected_mass: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(C,) of the body part or the other robot, 0 for a wall [kg]"""
+    energy: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(C,) half reduced mass times approach speed squared, 0 if receding [J]"""
+    duration: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(C,) how long this contact has lasted so far, 0 at its first step [s]"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Crowd(Message):
+    """The people on the ground plane, as they truly are: a structure of arrays over N people."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Crowd"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("id", np.dtype(np.uint32), ("N",)),
+        ArrayField("position", np.dtype(np.float64), ("N", 2)),
+        ArrayField("velocity", np.dtype(np.float64), ("N", 2)),
+        ArrayField("heading", np.dtype(np.float64), ("N",)),
+        ArrayField("radius", np.dtype(np.float64), ("N",)),
+        ArrayField("stature", np.dtype(np.float64), ("N",)),
+        ArrayField("mass", np.dtype(np.float64), ("N",)),
+        ArrayField("gait_phase", np.dtype(np.float64), ("N",)),
+    )
+
+    header: Header = field(default_factory=Header)
+    """time of this state; frame map"""
+    id: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
+    """(N,) who, unique and at least 1 (0 means nobody)"""
+    position: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N, 2) centres [m]"""
+    velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N, 2) velocities [m/s]"""
+    heading: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N,) direction of the body, counter-clockwise from x [rad]"""
+    radius: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N,) radius of the body's disc [m]"""
+    stature: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N,) body height [m]"""
+    mass: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N,) body mass [kg]"""
+    gait_phase: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N,) phase of the walk, 0 to 1 [cycles]"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Done(Message):
+    """A component's answer to a tick, published after all of its outputs of that tick."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Done"
+
+    phase: int = 0
+    """the phase that is done"""
+    tick: int = 0
+    """the tick that is done"""
+    ok: bool = False
+    """false: the component failed and error says why"""
+    error: str = ""
+    """empty if ok"""
+    elapsed: int = 0
+    """wall-clock time of the component's own work [ns]"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Goal(Message):
+    """What one robot is asked to reach: a line to cross or a disc to enter."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Goal"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("position", np.dtype(np.float64), (2,)),
+        ArrayField("direction", np.dtype(np.float64), (2,)),
+    )
+
+    header: Header = field(default_factory=Header)
+    """frame map"""
+    robot: str = ""
+    """whose goal it is"""
+    position: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2, np.float64))
+    """(2,) the point aimed at [m]"""
+    direction: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2, np.float64))
+    """(2,) unit vector: reached when the line through position, normal to this, is crossed; (0, 0): reached within tolerance"""
+    tolerance: float = 0.0
+    """radius of the disc [m]"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Metrics(Message):
+    """What the evaluator found: a table of M rows, one row per robot and metric."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Metrics"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("value", np.dtype(np.float64), ("M",)),
+        ArrayField("valid", np.dtype(np.bool_), ("M",)),
+    )
+    _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = (
+        SequenceField("robot", "M"),
+        SequenceField("name", "M"),
+        SequenceField("unit", "M"),
+        SequenceField("reason", "M"),
+    )
+
+    robot: tuple[str, ...] = ()
+    """(M,) which robot"""
+    name: tuple[str, ...] = ()
+    """(M,) which metric"""
+    unit: tuple[str, ...] = ()
+    """(M,) SI unit, 1 for a ratio"""
+    value: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(M,) the metric, 0 where it is not valid"""
+    valid: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, np.bool_))
+    """(M,) false where the run gives no such value"""
+    reason: tuple[str, ...] = ()
+    """(M,) why it is not valid, else empty"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class RobotState(Message):
+    """Where one robot truly is and how it moves."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/RobotState"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("position", np.dtype(np.float64), (2,)),
+        ArrayField("velocity", np.dtype(np.float64), (2,)),
+    )
+
+    header: Header = field(default_factory=Header)
+    """time of this state; frame map"""
+    name: str = ""
+    """the robot's name in the scenario"""
+    position: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2, np.float64))
+    """(2,) centre of the base [m]"""
+    heading: float = 0.0
+    """direction of the base, counter-clockwise from x [rad]"""
+    velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2, np.float64))
+    """(2,) velocity in the map frame [m/s]"""
+    angular_velocity: float = 0.0
+    """turn rate, counter-clockwise [rad/s]"""
+    radius: float = 0.0
+    """radius of the base's disc [m]"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Tick(Message):
+    """The orchestrator's word to every component: what to do next."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Tick"
+    RESET: ClassVar[int] = 0
+    STEP: ClassVar[int] = 1
+    FINISH: ClassVar[int] = 2
+    STOP: ClassVar[int] = 3
+
+    phase: int = 0
+    """RESET: begin an episode; STEP: step from tick to tick + 1; FINISH: last look; STOP: exit"""
+    episode: int = 0
+    """number of the episode, from 1"""
+    tick: int = 0
+    """number of the committed state k"""
+    period: int = 0
+    """time from tick to tick [ns]"""
+    time: int = 0
+    """simulated time of that state [ns]"""
+    setup: str = ""
+    """RESET only: a JSON object with the keys alone and reference"""
+
+
+MESSAGES: dict[str, type[Message]] = {
+    Time.TYPE: Time,
+    Header.TYPE: Header,
+    Vector3.TYPE: Vector3,
+    Point.TYPE: Point,
+    Quaternion.TYPE: Quaternion,
+    Pose.TYPE: Pose,
+    PoseWithCovariance.TYPE: PoseWithCovariance,
+    Twist.TYPE: Twist,
+    TwistWithCovariance.TYPE: TwistWithCovariance,
+    Transform.TYPE: Transform,
+    TransformStamped.TYPE: TransformStamped,
+    Odometry.TYPE: Odometry,
+    Clock.TYPE: Clock,
+    LaserScan.TYPE: LaserScan,
+    TFMessage.TYPE: TFMessage,
+    BeamAgents.TYPE: BeamAgents,
+    Contacts.TYPE: Contacts,
+    Crowd.TYPE: Crowd,
+    Done.TYPE: Done,
+    Goal.TYPE: Goal,
+    Metrics.TYPE: Metrics,
+    RobotState.TYPE: RobotState,
+    Tick.TYPE: Tick,
+}
+"""Every type that may cross a port, by its ROS 2 name."""

@@ -1,0 +1,75 @@
+"""What a robot model is, and one robot of a scenario."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotModel:
+    """A robot's body and limits. The files are data: `scenarios/robots/*.yaml`."""
+
+    radius: float
+    """radius of the base's disc [m]"""
+    height: float
+    """height of the body [m]"""
+    mass: float
+    """mass that counts in a collision [kg]"""
+    max_speed: float
+    """forward speed limit [m/s]"""
+    min_speed: float = 0.0
+    """backward speed limit, zero or negative [m/s]"""
+    max_acceleration: float
+    """limit of the forward acceleration, also when braking [m/s2]"""
+    max_angular_velocity: float
+    """turn rate limit, either way [rad/s]"""
+    max_angular_acceleration: float
+    """limit of the turn rate's change [rad/s2]"""
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "height", "mass", "max_speed", "max_acceleration"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
+        for name in ("max_angular_velocity", "max_angular_acceleration"):
+            if not getattr(self, name) >= 0:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected zero or more")
+        if not self.min_speed <= 0:
+            raise ValueError(f"min_speed is {self.min_speed}, expected zero or a negative number")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pose:
+    """A place on the plane and a direction, in the frame `map`."""
+
+    x: float
+    """[m]"""
+    y: float
+    """[m]"""
+    heading: float = 0.0
+    """counter-clockwise from x [rad]"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Target:
+    """What a robot is asked to reach; becomes the message `Goal`."""
+
+    x: float
+    """the point aimed at [m]"""
+    y: float
+    """[m]"""
+    direction: tuple[float, float] = (0.0, 0.0)
+    """unit vector: done when the line through the point, normal to this, is crossed; (0, 0): done within `tolerance`"""
+    tolerance: float = 0.3
+    """radius of the disc to enter, when there is no direction [m]"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """One robot of a scenario."""
+
+    name: str
+    number: int
+    """from 1, in the scenario's order; the robot's number in `Contacts` and `BeamAgents`"""
+    model: RobotModel
+    start: Pose
+    goal: Target
