@@ -153,9 +153,12 @@ class Presence:
         sample = self._subscriber.try_recv()
         return None if sample is None else _presence(sample)
 
-    def wait(self) -> tuple[str, bool]:
-        """(key, present) of the next change."""
-        return _presence(self._subscriber.recv())
+    def wait(self) -> tuple[str, bool] | None:
+        """(key, present) of the next change; None once this session is closed."""
+        try:
+            return _presence(self._subscriber.recv())
+        except zenoh.ZError:
+            return None
 
 
 class Bus:

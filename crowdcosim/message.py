@@ -82,8 +82,8 @@ class Message:
             return value
         try:
             array = np.asarray(value)
-            if spec.dtype.kind != "f" and array.dtype.kind == "f" and array.size:
-                raise TypeError("fractions would be lost")
+            if array.dtype != spec.dtype and spec.dtype.kind in "ui" and array.size:
+                _check_integers(array, spec.dtype)
             array = np.array(array, spec.dtype, order="C")
             array = array.reshape(tuple(-1 if isinstance(s, str) else s for s in spec.shape))
         except (TypeError, ValueError, OverflowError) as error:
@@ -125,6 +125,15 @@ def check_finite(message: Any, where: str = "") -> None:
             for number, element in enumerate(value):
                 if isinstance(element, Message):
                     check_finite(element, f"{path}.{item.name}[{number}]")
+
+
+def _check_integers(array: np.ndarray[Any, Any], dtype: np.dtype[Any]) -> None:
+    """Raise where a conversion would lose something without a word."""
+    if array.dtype.kind == "f":
+        raise TypeError("fractions would be lost")
+    limits = np.iinfo(dtype)
+    if array.dtype.kind in "ui" and not (limits.min <= array.min() and array.max() <= limits.max):
+        raise OverflowError(f"out of {limits.min} to {limits.max}")
 
 
 def _describe(value: Any) -> str:

@@ -161,7 +161,7 @@ class Node:
                 return True
         except Exception as error:
             traceback.print_exc()
-            self._answer_done(tick, begin, blame(error))
+            self._answer_done(tick, begin, str(error) if isinstance(error, BusError) else blame(error))
             return False
         self._answer_done(tick, begin)
         return True
@@ -219,8 +219,10 @@ class Node:
 
     def _leave_with_orchestrator(self) -> None:
         presence = self._bus.presence(f"{self._run}/orchestrator/alive")
-        while presence.wait()[1]:
+        while (change := presence.wait()) and change[1]:
             pass
+        if change is None:
+            return
         print("the orchestrator has gone", file=sys.stderr, flush=True)
         os._exit(1)
 

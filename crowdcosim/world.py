@@ -49,7 +49,7 @@ class World:
     def wrap(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
         """(..., 2) points moved by whole periods into [0, size) along the periodic axes [m]."""
         period = np.where(self.period > 0, self.period, 1.0)
-        wrapped = position - np.where(self.period > 0, np.floor(position / period) * period, 0.0)
+        wrapped = np.where(self.period > 0, np.mod(position, period), position)
         # A tiny negative coordinate rounds to the period itself, which is the other name of 0.
         return np.where((self.period > 0) & (wrapped >= period), 0.0, wrapped)
 

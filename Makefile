@@ -1,0 +1,38 @@
+# Everything runs in .venv, which the first command makes. Needed: Python 3.11 or newer, git, make.
+PYTHON ?= python3
+BIN := .venv/bin
+SCENARIO ?= corridor
+
+.PHONY: run test lint bench clean
+
+run: .venv/run.stamp            ## one corridor episode: a table, a log and a report
+	$(BIN)/crowdcosim run $(SCENARIO)
+
+test: .venv/dev.stamp           ## all tests
+	$(BIN)/python -m pytest
+
+lint: .venv/dev.stamp           ## style, types, and who imports whom
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: .venv/dev.stamp          ## speed, as ratios in one run
+	$(BIN)/python benchmarks/lockstep.py
+	$(BIN)/python benchmarks/components.py
+
+clean:
+	rm -rf .venv build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+
+.venv/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "crowdcosim needs Python 3.11 or newer; this is $$($(PYTHON) --version). Try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	$(PYTHON) -m venv .venv
+
+.venv/run.stamp: .venv/bin/python pyproject.toml constraints.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable .
+	@touch $@
+
+.venv/dev.stamp: .venv/bin/python pyproject.toml constraints.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $@ .venv/run.stamp
