@@ -1,0 +1,1 @@
+"""The robot: bodies, drives and contacts."""

@@ -1,0 +1,90 @@
+"""A TurtleBot2, a crowd, and bodies ready to step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from components.robot.kinematic import Kinematic, RobotStep
+from crowdcosim.messages import Crowd, Twist, Vector3
+from crowdcosim.robots import Pose, Robot, RobotModel, Target
+from crowdcosim.setup import Setup
+from crowdcosim.world import World
+
+TURTLEBOT = RobotModel(
+    radius=0.177,
+    height=0.42,
+    mass=20.0,
+    max_speed=1.0,
+    min_speed=-0.2,
+    max_acceleration=5.0,
+    max_angular_velocity=np.pi,
+    max_angular_acceleration=10.0,
+)
+OPEN = World(size=(50.0, 10.0))
+
+
+class Bodies:
+    """Robots of one scenario that step together from the same old state."""
+
+    def __init__(self, *starts: Pose, world: World = OPEN, model: RobotModel = TURTLEBOT, period: int = 100_000_000):
+        robots = tuple(
+            Robot(name=f"robot{n}", number=n, model=model, start=start, goal=Target(x=0.0, y=0.0))
+            for n, start in enumerate(starts, 1)
+        )
+        self.components = [Kinematic() for _ in robots]
+        self.last: list[RobotStep] = [
+            body.reset(Setup(component=robot.name, period=period, seed=1, world=world, robots=robots, robot=robot.name))
+            for body, robot in zip(self.components, robots, strict=True)
+        ]
+
+    def step(self, *commands: Twist, crowd: Crowd | None = None) -> list[RobotStep]:
+        states = [result.state for result in self.last]
+        self.last = [
+            body.step(command, crowd or Crowd(), tuple(states[:k] + states[k + 1 :]))
+            for k, (body, command) in enumerate(zip(self.components, commands, strict=True))
+        ]
+        return self.last
+
+
+def _twist(speed: float = 0.0, turn_rate: float = 0.0) -> Twist:
+    return Twist(linear=Vector3(x=speed), angular=Vector3(z=turn_rate))
+
+
+def _people(*rows: tuple[float, float, float, float], stature: float = 1.75) -> Crowd:
+    table = np.array(rows, np.float64).reshape(-1, 4)
+    n = len(table)
+    return Crowd(
+        id=np.arange(101, 101 + n),
+        position=table[:, :2],
+        velocity=table[:, 2:],
+        heading=np.zeros(n),
+        radius=np.full(n, 0.3),
+        stature=np.full(n, stature),
+        mass=np.full(n, 70.0),
+        gait_phase=np.zeros(n),
+    )
+
+
+@pytest.fixture(scope="session")
+def bodies() -> type[Bodies]:
+    return Bodies
+
+
+@pytest.fixture(scope="session")
+def twist() -> Callable[..., Twist]:
+    """A command from speed [m/s] and turn rate [rad/s]."""
+    return _twist
+
+
+@pytest.fixture(scope="session")
+def people() -> Callable[..., Crowd]:
+    """A crowd from rows of x, y, vx, vy; ids from 101."""
+    return _people
+
+
+@pytest.fixture(scope="session")
+def turtlebot() -> RobotModel:
+    return TURTLEBOT
