@@ -1,0 +1,1 @@
+"""The component families; none imports another."""

@@ -1,0 +1,1 @@
+"""The sensors: what a robot sees of the crowd."""

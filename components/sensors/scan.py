@@ -1,0 +1,188 @@
+"""The nearest disc or wall along each beam of a planar scan, found by visiting only the beams that an object can meet.
+
+In the sensor's frame, with x ahead, beam k points along u_k at the angle first + k * increment.
+Disc with centre c and radius r: seen within asin(r / |c|) of its direction, at c.u - sqrt(r^2 - (c x u)^2).
+Wall from a to b: seen between its ends, at (a x (b - a)) / (u x (b - a)).
+Along a periodic axis a disc has an image at every whole period, and all within range are seen; a wall has none.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from crowdcosim.messages import BeamAgents
+
+# numba takes globals, but not class attributes, as constants.
+NOTHING, WALL, PERSON, ROBOT = BeamAgents.NOTHING, BeamAgents.WALL, BeamAgents.PERSON, BeamAgents.ROBOT
+
+# How far a wall reaches beyond its ends, as a fraction of its length: closes the corners, which rounding would open.
+_OVERLAP = 1e-9
+
+
+class Beams(NamedTuple):
+    """Directions of a scan, in the sensor's frame."""
+
+    first: float
+    """angle of beam 0 [rad]"""
+    increment: float
+    """angle from one beam to the next [rad]"""
+    directions: NDArray[np.float64]
+    """(B, 2) unit vectors"""
+    limit: float
+    """how far they reach [m]"""
+
+
+class Pose(NamedTuple):
+    """Where the sensor is in the map."""
+
+    x: float
+    """[m]"""
+    y: float
+    """[m]"""
+    z: float
+    """above the ground [m]"""
+    cos: float
+    """of its heading"""
+    sin: float
+    """of its heading"""
+
+
+class Discs(NamedTuple):
+    """Upright cylinders that stand on the ground."""
+
+    number: NDArray[np.uint32]
+    """(N,) id of the person or number of the robot"""
+    centre: NDArray[np.float64]
+    """(N, 2) in the map [m]"""
+    radius: NDArray[np.float64]
+    """(N,) [m]"""
+    height: NDArray[np.float64]
+    """(N,) [m]"""
+
+
+class Hits(NamedTuple):
+    """What each beam meets first."""
+
+    distance: NDArray[np.float64]
+    """(B,) [m]; infinite where nothing is met, 0 within a disc"""
+    kind: NDArray[np.uint8]
+    """(B,) as in `BeamAgents`"""
+    agent: NDArray[np.uint32]
+    """(B,) as in `BeamAgents`"""
+
+
+@njit(cache=True, nogil=True)
+def scan(
+    beams: Beams,
+    pose: Pose,
+    period: NDArray[np.float64],
+    walls: NDArray[np.float64],
+    people: Discs,
+    robots: Discs,
+) -> Hits:
+    """What each beam meets first; of two at the same distance the wall, then the person, then whoever is listed first.
+
+    `period`: (2,) of the map [m], 0 along an axis that does not wrap around; `walls`: (W, 2, 2) their ends [m].
+    """
+    count = len(beams.directions)
+    hits = Hits(np.full(count, np.inf), np.full(count, NOTHING, np.uint8), np.zeros(count, np.uint32))
+    for number in range(len(walls)):
+        _wall(beams, pose, walls[number], number + 1, hits)
+    _discs(beams, pose, period, people, PERSON, hits)
+    _discs(beams, pose, period, robots, ROBOT, hits)
+    return hits
+
+
+@njit(cache=True, nogil=True)
+def _in_sensor(pose: Pose, dx: float, dy: float) -> tuple[float, float]:
+    """A vector of the map in the sensor's frame."""
+    return pose.cos * dx + pose.sin * dy, pose.cos * dy - pose.sin * dx
+
+
+@njit(cache=True, nogil=True)
+def _span(beams: Beams, start: float, extent: float, turn: int) -> tuple[int, int]:
+    """Beams [low, high) that lie, or by rounding may lie, between two angles, in the first (0) or second turn (1)."""
+    offset = start - beams.first
+    offset -= 2.0 * math.pi * (math.floor(offset / (2.0 * math.pi)) + turn)
+    low = max(math.ceil(offset / beams.increment) - 1, 0)
+    high = min(math.floor((offset + extent) / beams.increment) + 2, len(beams.directions))
+    return low, high
+
+
+@njit(cache=True, nogil=True)
+def _wall(beams: Beams, pose: Pose, ends: NDArray[np.float64], number: int, hits: Hits) -> None:
+    ax, ay = _in_sensor(pose, ends[0, 0] - pose.x, ends[0, 1] - pose.y)
+    bx, by = _in_sensor(pose, ends[1, 0] - pose.x, ends[1, 1] - pose.y)
+    ex, ey = bx - ax, by - ay
+    cross = ax * by - ay * bx
+    if cross > 0.0:
+        start, extent = math.atan2(ay, ax), math.atan2(cross, ax * bx + ay * by)
+    elif cross < 0.0:
+        start, extent = math.atan2(by, bx), math.atan2(-cross, ax * bx + ay * by)
+    else:  # On the wall's line there is no side from which its ends could be told left from right.
+        start, extent = beams.first, 2.0 * math.pi
+    for turn in range(2):
+        low, high = _span(beams, start, extent, turn)
+        for k in range(low, high):
+            ux, uy = beams.directions[k, 0], beams.directions[k, 1]
+            along = ux * ey - uy * ex
+            if along == 0.0:
+                continue
+            distance = cross / along
+            where = (ax * uy - ay * ux) / along
+            if distance >= 0.0 and -_OVERLAP <= where <= 1.0 + _OVERLAP:
+                _note(beams, k, distance, WALL, number, hits)
+
+
+@njit(cache=True, nogil=True)
+def _discs(beams: Beams, pose: Pose, period: NDArray[np.float64], discs: Discs, kind: int, hits: Hits) -> None:
+    for n in range(len(discs.number)):
+        if discs.height[n] < pose.z:
+            continue
+        reach = beams.limit + discs.radius[n]
+        dx, dy = discs.centre[n, 0] - pose.x, discs.centre[n, 1] - pose.y
+        west, east = _images(dx, reach, period[0])
+        south, north = _images(dy, reach, period[1])
+        for i in range(west, east + 1):
+            for j in range(south, north + 1):
+                x, y = _in_sensor(pose, dx + i * period[0], dy + j * period[1])
+                if x * x + y * y <= reach * reach:
+                    _disc(beams, x, y, discs.radius[n], kind, discs.number[n], hits)
+
+
+@njit(cache=True, nogil=True)
+def _images(offset: float, reach: float, period: float) -> tuple[int, int]:
+    """First and last number of periods that brings `offset` within `reach` of 0; none if the last is the smaller."""
+    if period == 0.0:
+        return 0, 0
+    return math.ceil((-reach - offset) / period), math.floor((reach - offset) / period)
+
+
+@njit(cache=True, nogil=True)
+def _disc(beams: Beams, x: float, y: float, radius: float, kind: int, number: int, hits: Hits) -> None:
+    away = math.sqrt(x * x + y * y)
+    if away <= radius:
+        for k in range(len(beams.directions)):
+            _note(beams, k, 0.0, kind, number, hits)
+        return
+    half = math.asin(radius / away)
+    start = math.atan2(y, x) - half
+    for turn in range(2):
+        low, high = _span(beams, start, 2.0 * half, turn)
+        for k in range(low, high):
+            ux, uy = beams.directions[k, 0], beams.directions[k, 1]
+            ahead, aside = x * ux + y * uy, x * uy - y * ux
+            depth = radius * radius - aside * aside
+            if depth >= 0.0 and ahead > 0.0:
+                _note(beams, k, ahead - math.sqrt(depth), kind, number, hits)
+
+
+@njit(cache=True, nogil=True)
+def _note(beams: Beams, k: int, distance: float, kind: int, number: int, hits: Hits) -> None:
+    if distance <= beams.limit and distance < hits.distance[k]:
+        hits.distance[k], hits.kind[k], hits.agent[k] = distance, kind, number

@@ -1,0 +1,243 @@
+"""What a LiDAR sees in scenes that can be worked out by hand, and its noise."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from components.sensors.lidar import Config, Lidar
+from crowdcosim.component import make, ports_of
+from crowdcosim.message import check_finite
+from crowdcosim.messages import BeamAgents, LaserScan
+from crowdcosim.world import Wall, World
+
+OPEN = World(size=(50.0, 50.0))
+FLOAT32 = 1e-6  # relative precision of a range
+
+
+def box(width, height, **options):
+    corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
+    walls = tuple(Wall(start=a, end=b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True))
+    return World(size=(width, height), walls=walls, **options)
+
+
+@pytest.fixture
+def lidar(setup):
+    def build(world=OPEN, seed=1, **options):
+        sensor = Lidar(Config(**options))
+        sensor.reset(setup(world, seed=seed))
+        return sensor
+
+    return build
+
+
+def at(scan, angle):
+    """Index of the beam at `angle` [rad] from ahead."""
+    return round((angle - scan.angle_min) / scan.angle_increment)
+
+
+def test_ports_are_those_that_scenarios_wire():
+    ports = ports_of(Lidar)
+    assert [port.name for port in ports.inputs] == ["robot", "crowd", "others"]
+    assert [(port.name, port.type) for port in ports.outputs] == [("scan", LaserScan), ("agents", BeamAgents)]
+
+
+def test_options_come_from_a_scenario():
+    lidar = make(Lidar, {"beams": 541, "field_of_view": 4.7, "position": [0.1, 0.0, 0.2]})
+    assert lidar.config.position == (0.1, 0.0, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("beams", 1),
+        ("field_of_view", 0.0),
+        ("field_of_view", 6.3),
+        ("range_min", -0.1),
+        ("range_max", 0.1),
+        ("position", (0.0, 0.0, -0.1)),
+        ("noise", -0.01),
+    ],
+)
+def test_options_without_meaning_are_refused(option, value):
+    with pytest.raises(ValueError, match=r"is .*, expected"):
+        Config(**{option: value})
+
+
+def test_an_empty_world_is_seen_as_nothing(lidar, robot, people):
+    scan, agents = lidar().step(robot(5.0, 5.0, 1.0), people(), ())
+    assert np.all(scan.ranges == np.inf)
+    assert not agents.kind.any()
+    assert not agents.agent.any()
+    check_finite(scan)
+
+
+def test_header_and_limits_are_those_of_the_scan(lidar, robot, people):
+    scan, agents = lidar(beams=360, range_max=8.0).step(robot(5.0, 5.0, nanoseconds=1_300_000_000), people(), ())
+    assert (scan.header.stamp.sec, scan.header.stamp.nanosec) == (1, 300_000_000)
+    assert scan.header.frame_id == "robot1/sensor"
+    assert agents.header == scan.header
+    assert len(scan.ranges) == len(agents.kind) == 360
+    assert scan.range_max == 8.0
+    assert scan.range_min == scan.scan_time == np.float32(0.1)
+
+
+@pytest.mark.parametrize("field_of_view", [2 * math.pi, 6.2832, 6.283])
+def test_a_full_circle_has_no_direction_twice(lidar, robot, people, field_of_view):
+    scan, _ = lidar(beams=720, field_of_view=field_of_view).step(robot(5.0, 5.0), people(), ())
+    angles = scan.angle_min + scan.angle_increment * np.arange(720)
+    assert scan.angle_min == pytest.approx(-math.pi)
+    assert angles[-1] == pytest.approx(scan.angle_max, abs=1e-5)
+    assert angles[-1] + scan.angle_increment - angles[0] == pytest.approx(2 * math.pi, abs=1e-5)
+
+
+def test_a_partial_view_spans_its_angle_from_end_to_end(lidar, robot, people):
+    crowd = people((5 + 3 * math.cos(2.0), 5 + 3 * math.sin(2.0), 0.01), (5 + 3 * math.cos(2.0), 5 - 3 * math.sin(2.0)))
+    scan, agents = lidar(beams=401, field_of_view=4.0).step(robot(5.0, 5.0), crowd, ())
+    assert (scan.angle_min, scan.angle_max) == (-2.0, 2.0)
+    assert agents.agent[[0, -1]].tolist() == [102, 101]
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.0, math.pi, -2.5, 40.0])
+def test_a_person_is_seen_at_their_surface_and_in_their_direction(lidar, robot, people, heading):
+    direction = heading + math.pi / 3
+    crowd = people((5.0 + 4.0 * math.cos(direction), 5.0 + 4.0 * math.sin(direction)))
+    scan, agents = lidar().step(robot(5.0, 5.0, heading), crowd, ())
+    beam = at(scan, math.pi / 3)
+    assert scan.ranges[beam] == pytest.approx(3.7, rel=FLOAT32)
+    assert (agents.kind[beam], agents.agent[beam]) == (BeamAgents.PERSON, 101)
+    # Half the angle under which a disc appears is asin(r / d).
+    assert np.count_nonzero(agents.kind) == pytest.approx(2 * math.asin(0.3 / 4.0) / scan.angle_increment, abs=1)
+
+
+def test_mount_and_yaw_move_the_scan(lidar, robot, people):
+    """1 m ahead of and 0.5 m left of a robot that looks along y, the scanner looks back."""
+    sensor = lidar(position=(1.0, 0.5, 0.3), yaw=math.pi)
+    scan, agents = sensor.step(robot(5.0, 5.0, math.pi / 2), people((4.5, 2.0)), ())
+    beam = at(scan, 0.0)
+    assert agents.agent[beam] == 101
+    assert scan.ranges[beam] == pytest.approx(6.0 - 2.0 - 0.3, rel=FLOAT32)
+
+
+def test_inside_a_person_every_beam_is_too_near(lidar, robot, people):
+    scan, agents = lidar(box(20.0, 10.0)).step(robot(5.0, 5.0), people((5.2, 5.1), (5.6, 5.0)), ())
+    assert np.all(scan.ranges == -np.inf)
+    assert set(agents.agent.tolist()) == {101}
+    check_finite(scan)
+
+
+def test_too_near_is_minus_infinity_and_still_says_who(lidar, robot, people):
+    scan, agents = lidar().step(robot(5.0, 5.0), people((5.35, 5.0)), ())
+    beam = at(scan, 0.0)
+    assert scan.ranges[beam] == -np.inf
+    assert agents.agent[beam] == 101
+
+
+def test_too_far_is_infinity_and_nobody(lidar, robot, people):
+    scan, agents = lidar(range_max=4.0).step(robot(5.0, 5.0), people((9.301, 5.0)), ())
+    assert np.all(scan.ranges == np.inf)
+    assert not agents.kind.any()
+    scan, agents = lidar(range_max=4.0).step(robot(5.0, 5.0), people((9.299, 5.0)), ())
+    assert agents.agent[at(scan, 0.0)] == 101
+
+
+def test_walls_and_people_hide_what_is_behind_them(lidar, robot, people):
+    world = World(size=(50.0, 50.0), walls=(Wall(start=(7.0, 4.0), end=(7.0, 6.0)),))
+    scan, agents = lidar(world).step(robot(5.0, 5.0), people((9.0, 5.0), (2.0, 5.0), (1.0, 5.0)), ())
+    ahead, behind = at(scan, 0.0), 0
+    assert (agents.kind[ahead], agents.agent[ahead]) == (BeamAgents.WALL, 1)
+    assert scan.ranges[ahead] == pytest.approx(2.0, rel=FLOAT32)
+    assert agents.agent[behind] == 102
+
+
+def test_other_robots_are_seen_by_their_number_if_they_are_high_enough(lidar, robot, people):
+    others = (robot(8.0, 5.0, number=2), robot(2.0, 5.0, number=3))
+    scan, agents = lidar(position=(0.0, 0.0, 0.3)).step(robot(5.0, 5.0), people(), others)
+    assert (agents.kind[at(scan, 0.0)], agents.agent[at(scan, 0.0)]) == (BeamAgents.ROBOT, 2)
+    assert not np.any(agents.agent == 3)  # 0.2 m high
+    assert scan.ranges[at(scan, 0.0)] == pytest.approx(3.0 - 0.177, rel=FLOAT32)
+
+
+def test_a_person_across_the_seam_is_seen(lidar, robot, people):
+    seam = World(size=(50.0, 10.0), periodic=(True, False))
+    scan, agents = lidar(seam).step(robot(49.0, 5.0), people((1.0, 5.0)), ())
+    assert agents.agent[at(scan, 0.0)] == 101
+    assert scan.ranges[at(scan, 0.0)] == pytest.approx(1.7, rel=FLOAT32)
+
+
+def test_a_long_range_sees_several_images_of_one_person(lidar, robot, people):
+    """Period 4 m, robot at 1 m, person at 3 m: images 2 and 6 m ahead and behind, and the nearer hides the farther."""
+    world = World(size=(50.0, 4.0), periodic=(False, True))
+    crowd, own = people((6.0, 3.0)), robot(5.0, 1.0, math.pi / 2)
+    scan, agents = lidar(world, range_max=10.0).step(own, crowd, ())
+    for ahead in (-10, -6, -2, 2, 6):
+        angle = math.atan2(-1.0, ahead)
+        assert agents.agent[at(scan, angle)] == 101
+        assert scan.ranges[at(scan, angle)] == pytest.approx(math.hypot(1.0, ahead) - 0.3, abs=0.01)  # beam spacing
+    scan, agents = lidar(world, range_max=1.8).step(own, crowd, ())
+    assert not agents.kind.any()
+
+
+@settings(max_examples=100, deadline=None)
+@given(x=st.floats(0.01, 7.99), y=st.floats(0.01, 4.99), heading=st.floats(-10, 10))
+def test_no_beam_leaves_a_closed_room(setup, robot, people, x, y, heading):
+    sensor = Lidar(Config(range_min=0.0))
+    sensor.reset(setup(box(8.0, 5.0)))
+    scan, agents = sensor.step(robot(x, y, heading), people(), ())
+    assert np.all(agents.kind == BeamAgents.WALL)
+    angles = heading - math.pi + 2 * math.pi / 720 * np.arange(720)
+    with np.errstate(divide="ignore"):
+        along = np.abs(np.where(np.cos(angles) > 0, 8.0 - x, -x) / np.cos(angles))
+        across = np.abs(np.where(np.sin(angles) > 0, 5.0 - y, -y) / np.sin(angles))
+    np.testing.assert_allclose(scan.ranges, np.minimum(along, across), rtol=1e-5)
+
+
+def test_a_corner_looked_at_exactly_is_closed(lidar, robot, people):
+    scan, _ = lidar(box(8.0, 8.0)).step(robot(4.0, 4.0), people(), ())
+    for angle in (-3, -1, 1, 3):
+        assert scan.ranges[at(scan, angle * math.pi / 4)] == pytest.approx(4 * math.sqrt(2), rel=1e-5)
+
+
+def test_noise_has_the_stated_deviation_and_no_bias(lidar, robot, people):
+    """Of n = 72,000 errors the mean is within 5 sigma / sqrt(n), the deviation within 5 sigma / sqrt(2 n) of it.
+
+    Either fails for one seed in a million.
+    """
+    world, sigma = box(8.0, 5.0), 0.02
+    true = lidar(world).step(robot(4.0, 2.5), people(), ())[0].ranges
+    sensor = lidar(world, noise=sigma)
+    scans = [sensor.step(robot(4.0, 2.5, nanoseconds=k * 100_000_000), people(), ())[0].ranges for k in range(100)]
+    errors = np.array(scans, np.float64) - true
+    n = errors.size
+    assert abs(errors.mean()) < 5 * sigma / math.sqrt(n)
+    assert abs(errors.std() - sigma) < 5 * sigma / math.sqrt(2 * n)
+    # Neither neighbouring beams nor successive scans share their noise: correlations are within 5 / sqrt(n).
+    assert abs(np.corrcoef(errors[:, 1:].ravel(), errors[:, :-1].ravel())[0, 1]) < 5 / math.sqrt(n)
+    assert abs(np.corrcoef(errors[1:].ravel(), errors[:-1].ravel())[0, 1]) < 5 / math.sqrt(n)
+
+
+def test_noise_depends_on_seed_and_time_only(lidar, robot, people):
+    def ranges(sensor, tick):
+        return sensor.step(robot(4.0, 2.5, nanoseconds=tick * 100_000_000), people(), ())[0].ranges.tolist()
+
+    world = box(8.0, 5.0)
+    sensor = lidar(world, noise=0.02)
+    scans = [ranges(sensor, tick) for tick in range(5)]
+    assert ranges(lidar(world, noise=0.02), 4) == scans[4]
+    assert ranges(lidar(world, noise=0.02, seed=2), 4) != scans[4]
+    assert len({tuple(scan) for scan in scans}) == 5
+
+
+def test_noise_never_makes_a_range_that_the_device_does_not_measure(lidar, robot, people):
+    sensor = lidar(box(8.0, 5.0), noise=0.3, range_min=2.4, range_max=4.0)
+    for tick in range(10):
+        scan, agents = sensor.step(robot(4.0, 2.5, nanoseconds=tick * 100_000_000), people(), ())
+        assert np.any(scan.ranges == -np.inf)
+        measured = scan.ranges[np.isfinite(scan.ranges)]
+        assert np.all((scan.range_min <= measured) & (measured <= scan.range_max))
+        np.testing.assert_array_equal(scan.ranges == np.inf, agents.kind == BeamAgents.NOTHING)
+        np.testing.assert_array_equal(agents.kind == BeamAgents.NOTHING, agents.agent == 0)
