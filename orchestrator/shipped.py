@@ -1,0 +1,84 @@
+"""The scenarios, robots and components that come with crowdcosim, with a line about each."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+from itertools import takewhile
+from pathlib import Path
+from typing import NamedTuple
+
+import orchestrator
+from orchestrator.problems import Place, ScenarioError
+from orchestrator.registry import SHIPPED
+from orchestrator.yaml_tree import parse
+
+
+class Entry(NamedTuple):
+    """One line of `crowdcosim list`."""
+
+    name: str
+    """what a scenario or the command line calls it"""
+    description: str
+
+
+def scenarios_folder() -> Path:
+    """Where the shipped scenarios are: beside the package in a checkout, within it in an installed wheel."""
+    package = Path(orchestrator.__file__).parent
+    installed = package / "scenarios"
+    return installed if installed.is_dir() else package.parent / "scenarios"
+
+
+def robots_folder() -> Path:
+    return scenarios_folder() / "robots"
+
+
+def names_in(folder: Path) -> list[str]:
+    """The names of a folder's YAML files, subfolders included: `corridor`, `paper/one`."""
+    return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
+
+
+def scenario_names() -> list[str]:
+    return [name for name in names_in(scenarios_folder()) if not name.startswith("robots/")]
+
+
+def list_scenarios() -> list[Entry]:
+    """Every shipped scenario, with its `description`."""
+    return [Entry(name, _description(scenarios_folder() / f"{name}.yaml")) for name in scenario_names()]
+
+
+def list_robots() -> list[Entry]:
+    """Every shipped robot model, with the first sentence of the comment that opens its file."""
+    return [Entry(name, _opening_comment(robots_folder() / f"{name}.yaml")) for name in names_in(robots_folder())]
+
+
+def list_components() -> dict[str, list[Entry]]:
+    """Every shipped component by family, with its class's first line; nothing is imported for it."""
+    return {
+        family: [Entry(name, _docstring(use)) for name, use in sorted(members.items())]
+        for family, members in SHIPPED.items()
+    }
+
+
+def _description(path: Path) -> str:
+    try:
+        node = parse(path.read_text("utf-8"), Place(str(path), 1)).child("description")
+    except (OSError, UnicodeDecodeError, ScenarioError):
+        return "(cannot be read)"
+    return " ".join(str(node.value).split()) if node else ""
+
+
+def _opening_comment(path: Path) -> str:
+    lines = takewhile(lambda line: line.startswith("#"), path.read_text("utf-8").splitlines())
+    comment = " ".join(line.removeprefix("#").strip() for line in lines)
+    return comment.partition(". ")[0].removesuffix(".") + "." if comment else ""
+
+
+def _docstring(use: str) -> str:
+    module, _, name = use.partition(":")
+    spec = importlib.util.find_spec(module)
+    if spec is None or spec.origin is None:
+        return "(not installed)"
+    tree = ast.parse(Path(spec.origin).read_text("utf-8"))
+    classes = [node for node in tree.body if isinstance(node, ast.ClassDef) and node.name == name]
+    return (ast.get_docstring(classes[0]) or "").partition("\n")[0] if classes else "(not installed)"
