@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 import types
 import typing
@@ -207,7 +208,8 @@ def make(cls: type[Component], options: Mapping[str, Any]) -> Component:
     Raises:
         pydantic.ValidationError: if the options do not fit the config.
     """
-    config = config_adapter(cls).validate_python(dict(options))
+    # As JSON, strictly: lists become tuples, but "3" is no number.
+    config = config_adapter(cls).validate_json(json.dumps(dict(options)), strict=True)
     if cls.__init__ is object.__init__:
         return cls()
     return cls(config=config)  # type: ignore[call-arg]

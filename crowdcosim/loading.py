@@ -40,7 +40,7 @@ def _from_name(name: str) -> ModuleType:
         return importlib.import_module(name)
     except ModuleNotFoundError as error:
         raise ComponentError(f"there is no module '{error.name}', asked for by '{name}'") from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise ComponentError(f"importing '{name}' failed: {type(error).__name__}: {error}") from error
 
 
@@ -58,7 +58,7 @@ def _from_file(path: Path) -> ModuleType:
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         del sys.modules[name]
         raise ComponentError(f"importing {path} failed: {type(error).__name__}: {error}") from error
     return module

@@ -42,9 +42,9 @@ class Pose:
     """A place on the plane and a direction, in the frame `map`."""
 
     x: float
-    """[m]"""
+    """along the world's first axis [m]"""
     y: float
-    """[m]"""
+    """along its second axis, to the left of x [m]"""
     heading: float = 0.0
     """counter-clockwise from x [rad]"""
 
@@ -54,9 +54,9 @@ class Target:
     """What a robot is asked to reach; becomes the message `Goal`."""
 
     x: float
-    """the point aimed at [m]"""
+    """of the point aimed at [m]"""
     y: float
-    """[m]"""
+    """of the point aimed at [m]"""
     direction: tuple[float, float] = (0.0, 0.0)
     """unit vector: done when the line through the point, normal to this, is crossed; (0, 0): done within `tolerance`"""
     tolerance: float = 0.3

@@ -46,6 +46,11 @@ class World:
         """(W', 2, 2) both ends of the walls that stop people [m]."""
         return self.segments[[w.stops_people for w in self.walls]].reshape(-1, 2, 2)
 
+    @cached_property
+    def _divisor(self) -> NDArray[np.float64]:
+        """The period, infinite where there is none: then nothing is ever a whole period away."""
+        return np.where(self.period > 0, self.period, np.inf)
+
     def wrap(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
         """(..., 2) points moved by whole periods into [0, size) along the periodic axes [m]."""
         period = np.where(self.period > 0, self.period, 1.0)
@@ -55,6 +60,5 @@ class World:
 
     def displacement(self, origin: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
         """(..., 2) shortest vectors from `origin` to `target`, across the seam where that is shorter [m]."""
-        d = np.asarray(target, np.float64) - np.asarray(origin, np.float64)
-        period = np.where(self.period > 0, self.period, 1.0)
-        return np.asarray(d - np.where(self.period > 0, np.round(d / period) * period, 0.0))
+        d = np.subtract(target, origin, dtype=np.float64)
+        return np.asarray(d - np.rint(d / self._divisor) * self.period)

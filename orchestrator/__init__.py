@@ -1,0 +1,1 @@
+"""The orchestrator: reads the scenario, starts, wires, ticks, watches and records."""

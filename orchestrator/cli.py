@@ -1,0 +1,237 @@
+"""The command line: launch an experiment, check a component, look into a log."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from orchestrator.errors import InputError, RunError
+from orchestrator.processes import Processes
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+app = typer.Typer(
+    name="crowdcosim",
+    help="How does your robot behave in a human crowd? Run scenarios, swap components, look into logs.",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Json = Annotated[bool, typer.Option("--json", help="Print the result as one JSON object.")]
+Scenario = Annotated[str, typer.Argument(help="Name of a shipped scenario, or path of a YAML file.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a value, such as `crowd.config.count=200`. Repeatable."),
+]
+LogFile = Annotated[Path, typer.Argument(metavar="RUN.mcap", help="The log of a run, or its folder.")]
+
+
+@contextlib.contextmanager
+def _reporting(as_json: bool) -> Iterator[None]:
+    """Turn what went wrong into one message and an exit code."""
+    try:
+        yield
+    except InputError as error:
+        _fail(error, BAD_INPUT, as_json)
+    except RunError as error:
+        _fail(error, FAILED, as_json)
+    except KeyboardInterrupt:
+        _fail(RunError(None, None, "interrupted"), INTERRUPTED, as_json)
+
+
+def _fail(error: Exception, code: int, as_json: bool) -> None:
+    if as_json:
+        detail: dict[str, Any] = {"message": str(error)}
+        if isinstance(error, RunError):
+            detail |= {"component": error.component, "tick": error.tick}
+        print(json.dumps({"error": detail, "exit_code": code}))
+    else:
+        from rich.console import Console
+
+        Console(stderr=True, soft_wrap=True, highlight=False).print("[bold red]error:[/] ", end="")
+        print(error, file=sys.stderr)
+    raise typer.Exit(code)
+
+
+@app.command()
+def run(
+    scenario: Scenario = "corridor",
+    settings: Settings = None,
+    seed: Annotated[int | None, typer.Option(help="Replace the scenario's seed.")] = None,
+    host: Annotated[
+        str | None, typer.Option(help="Where all Python components live: `process` or `inline`.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for log and report; by default a new one in `runs/`.")] = None,
+    realtime: Annotated[
+        float | None, typer.Option(metavar="FACTOR", help="Pace: simulated seconds per second. Default: as fast as it can.")
+    ] = None,
+    listen: Annotated[
+        str | None, typer.Option(metavar="ENDPOINT", help="Where `external` components attach, such as tcp/127.0.0.1:7450.")
+    ] = None,
+    record: Annotated[bool, typer.Option(help="Write a log and a report.")] = True,
+    as_json: Json = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table.")] = False,
+) -> None:
+    """Run one episode: a table of metrics, an MCAP log and a report.
+
+    Example: `crowdcosim run corridor --set crowd.config.count=200 --seed 7`
+    """
+    began = time.monotonic()
+    with _reporting(as_json), _terminable():
+        processes = Processes() if host != "inline" else None
+        try:
+            from orchestrator.simulation import PRELOAD
+
+            if processes:
+                processes.preload(PRELOAD)
+            from orchestrator.commands.run import run_scenario
+
+            run_scenario(
+                scenario,
+                settings=_with_shortcuts(settings, seed, host),
+                out=out or _new_folder(scenario),
+                real_time=realtime,
+                listen=listen,
+                record=record,
+                as_json=as_json,
+                quiet=quiet,
+                processes=processes,
+                began=began,
+            )
+        finally:
+            if processes:
+                processes.close()
+
+
+@app.command()
+def validate(scenario: Scenario, settings: Settings = None, as_json: Json = False) -> None:
+    """Check a scenario without running it: keys, types, components, wiring.
+
+    Example: `crowdcosim validate ./my_scenario.yaml`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.validate import print_validation
+
+        print_validation(scenario, settings or [], as_json)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of scenario files, for editors.
+
+    Example: `crowdcosim schema > crowdcosim.schema.json`
+    """
+    from orchestrator.schema import schema as scenario_schema
+
+    print(json.dumps(scenario_schema(), indent=2))
+
+
+@app.command("list")
+def list_(as_json: Json = False) -> None:
+    """List the shipped scenarios, robots and components.
+
+    Example: `crowdcosim list`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.list import print_list
+
+        print_list(as_json)
+
+
+@app.command(context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
+def check(
+    component: Annotated[
+        list[str], typer.Argument(help="`package.module:Class`, `./file.py:Class`, or `-- COMMAND ARGUMENTS...`")
+    ],
+    config: Annotated[str, typer.Option(metavar="JSON", help="The component's config.")] = "{}",
+    deadline: Annotated[float, typer.Option(help="Longest silence [s].")] = 30.0,
+    as_json: Json = False,
+) -> None:
+    """Prove a component against the protocol: ports, determinism, finite outputs, reset, wrong tick, clean exit.
+
+    Example: `crowdcosim check components.controllers.dwa:DWA` or `crowdcosim check -- ./my_controller --fast`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.check import print_check
+
+        if not print_check(component, config, deadline, as_json):
+            raise typer.Exit(FAILED)
+
+
+@app.command()
+def inspect(log: LogFile, as_json: Json = False) -> None:
+    """Summarise a log: topics, rates, duration, outcome, metrics, data hash.
+
+    Example: `crowdcosim inspect runs/latest`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.inspect import print_summary
+
+        print_summary(_log_file(log), as_json)
+
+
+@app.command()
+def evaluate(log: LogFile, as_json: Json = False) -> None:
+    """Compute the metrics of a log again; they equal those that the run gave.
+
+    Example: `crowdcosim evaluate runs/latest/episode.mcap --json`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.evaluate import print_evaluation
+
+        print_evaluation(_log_file(log), as_json)
+
+
+def _with_shortcuts(settings: list[str] | None, seed: int | None, host: str | None) -> list[str]:
+    shortcuts = {"seed": seed, "host": host}
+    return [*(settings or []), *(f"{key}={value}" for key, value in shortcuts.items() if value is not None)]
+
+
+def _new_folder(scenario: str) -> Path:
+    """A folder of its own in `runs/`, named by time and scenario."""
+    name = f"{datetime.now():%Y-%m-%dT%H-%M-%S}_{Path(scenario).stem}"
+    for suffix in ("", *(f"_{n}" for n in range(2, 1000))):
+        folder = Path("runs") / f"{name}{suffix}"
+        if not folder.exists():
+            return folder
+    raise InputError(f"runs/ holds too many folders named {name}")
+
+
+def _log_file(path: Path) -> Path:
+    return path / "episode.mcap" if path.is_dir() else path
+
+
+@contextlib.contextmanager
+def _terminable() -> Iterator[None]:
+    """A polite kill ends the run in order, as Ctrl-C does."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    previous = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+
+
+def main() -> None:
+    """Entry of the console script."""
+    try:
+        app()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader of a pipe has left
+        raise SystemExit(1) from None

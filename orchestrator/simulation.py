@@ -1,0 +1,212 @@
+"""A scenario brought to life: components started where the scenario wants them, introduced, wired and configured."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from crowdcosim.bus import Bus, BusError
+from crowdcosim.component import ComponentError, Output, Ports, make, ports_of
+from crowdcosim.host import FOREVER, ComponentHost, Source, blame
+from crowdcosim.loading import load_class
+from crowdcosim.messages import Goal, Header
+from crowdcosim.robots import Robot
+from crowdcosim.setup import Setup
+from orchestrator.errors import InputError, RunError, WiringError
+from orchestrator.lockstep import Lockstep
+from orchestrator.problems import ScenarioError
+from orchestrator.processes import Processes
+from orchestrator.remote import Remote
+from orchestrator.component_specs import ComponentSpec
+from orchestrator.scenario import Scenario
+from orchestrator.wiring import Graph, Member, connect
+
+PRELOAD = ["numpy", "numba", "pydantic", "rosbags.typesys", "crowdcosim.node"]
+"""What the launcher imports once for all components."""
+
+GOAL_PORTS = Ports(kind="reactor", inputs=(), outputs=(Output(name="goal", type=Goal),))
+
+
+class Simulation:
+    """All components of a scenario, ready for `lockstep.reset`. Close it, whatever happens."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        *,
+        logs: Path,
+        processes: Processes | None = None,
+        listen: str | None = None,
+        status: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        """Start and connect everything.
+
+        Args:
+            logs: folder for what the components' processes print.
+            processes: a launcher that is already warming up.
+            listen: endpoint for components that attach from outside, by default a free port of the loopback.
+            status: told what is being waited for.
+
+        Raises:
+            InputError: if the components do not fit the scenario or each other.
+            RunError: if a component dies, refuses or keeps silent at start-up.
+        """
+        self.scenario = scenario
+        self._specs = {spec.name: spec for spec in scenario.components}
+        self._remote: Remote | None = None
+        outside = [spec for spec in scenario.components if spec.host != "inline"]
+        self._processes = (processes or Processes()) if outside else processes
+        try:
+            if outside:
+                self._remote = self._start(outside, logs, listen, status)
+            self.graph = self._wire()
+            self._hosts = {s.name: self._inline_host(s) for s in scenario.components if s.host == "inline"}
+            if self._remote:
+                self._remote.configure({spec.name: self._configuration(spec) for spec in outside})
+                self._remote.connect()
+        except BaseException:
+            self.close(stop=False)
+            raise
+        self.goals = {robot.name: goal_of(robot) for robot in scenario.robots}
+        """robot -> its goal"""
+        self.lockstep = Lockstep(
+            self.graph,
+            period=scenario.period,
+            constants={(f"{robot}/goal", "goal"): goal for robot, goal in self.goals.items()},
+            inline=self._hosts,
+            remote=self._remote,
+            trusted=frozenset(s.name for s in scenario.components if s.host in ("inline", "process")),
+        )
+
+    def setup(self, component: str) -> Setup:
+        """What `component` is told at the start, but for what each episode adds."""
+        spec = self._specs[component]
+        return setup_of(self.scenario, component, spec.robot, spec.every)
+
+    def close(self, *, stop: bool = True) -> None:
+        """End all processes: told to leave first, unless the run has failed."""
+        if self._remote:
+            self._remote.stop() if stop else self._remote.close()
+        if self._processes:
+            self._processes.close()
+        self._remote = self._processes = None
+
+    def _start(
+        self, outside: list[ComponentSpec], logs: Path, listen: str | None, status: Callable[[str], None]
+    ) -> Remote:
+        assert self._processes is not None
+        try:
+            bus = Bus.listen(listen)
+        except BusError as error:
+            raise InputError(str(error)) from None
+        logs.mkdir(parents=True, exist_ok=True)
+        remote = Remote(
+            bus,
+            self._processes,
+            self.scenario.name,
+            [spec.name for spec in outside],
+            logs=logs,
+            start_deadline=self.scenario.deadlines.start,
+            step_deadline=self.scenario.deadlines.step,
+            status=status,
+        )
+        self._remote = remote
+        address = {"endpoint": bus.endpoint, "run": self.scenario.name}
+        for spec in outside:
+            log = remote.log_of(spec.name)
+            if spec.host == "process":
+                assert spec.use is not None
+                self._processes.fork(spec.name, spec.use, log=log, **address)
+            elif spec.host == "exec":
+                variables = {f"CROWDCOSIM_{k.upper()}": v for k, v in (address | {"component": spec.name}).items()}
+                self._processes.execute(spec.name, spec.exec, folder=spec.cwd or Path.cwd(), environment=variables, log=log)
+            else:
+                status(
+                    f"waiting for {spec.name} to attach: "
+                    f"--endpoint {bus.endpoint} --run {self.scenario.name} --component {spec.name}"
+                )
+        return remote
+
+    def _wire(self) -> Graph:
+        told = self._remote.hello() if self._remote else {}
+        members = [
+            Member(
+                name=spec.name,
+                robot=spec.robot,
+                every=spec.every,
+                ports=told[spec.name] if spec.name in told else ports_of(load_class(spec.use or "")),
+                inputs=spec.inputs,
+            )
+            for spec in self.scenario.components
+        ]
+        return connected(self.scenario, members)
+
+    def _inline_host(self, spec: ComponentSpec) -> ComponentHost:
+        assert spec.use is not None
+        try:
+            component = make(load_class(spec.use), spec.config)
+        except (ComponentError, ValidationError) as error:
+            raise InputError(f"component '{spec.name}': {error}") from None
+        except Exception as error:
+            raise RunError(spec.name, None, blame(error)) from error
+        return ComponentHost(
+            component, every=spec.every, wiring=self.graph.sources[spec.name], setup=self.setup(spec.name)
+        )
+
+    def _configuration(self, spec: ComponentSpec) -> str:
+        sources = TypeAdapter(Mapping[str, tuple[Source, ...]]).dump_python(self.graph.sources[spec.name])
+        body: dict[str, Any] = {
+            "config": dict(spec.config),
+            "every": spec.every,
+            "inputs": sources,
+            "setup": TypeAdapter(Setup).dump_python(self.setup(spec.name), mode="json"),
+        }
+        return json.dumps(body)
+
+
+def connected(scenario: Scenario, members: list[Member]) -> Graph:
+    """The graph of a scenario's components, and one goal per robot, which the orchestrator says once at the start.
+
+    Raises:
+        ScenarioError: if they do not fit together, with the line of each component.
+    """
+    goals = [Member(name=f"{r.name}/goal", robot=r.name, every=FOREVER, ports=GOAL_PORTS) for r in scenario.robots]
+    try:
+        return connect((*goals, *members))
+    except WiringError as error:
+        raise ScenarioError(scenario.component(name).problem(text) for name, text in error.problems) from None
+
+
+def goal_of(robot: Robot) -> Goal:
+    """The robot's goal as a message."""
+    return Goal(
+        header=Header(frame_id="map"),
+        robot=robot.name,
+        position=(robot.goal.x, robot.goal.y),  # type: ignore[arg-type]
+        direction=robot.goal.direction,  # type: ignore[arg-type]
+        tolerance=robot.goal.tolerance,
+    )
+
+
+def setup_of(scenario: Scenario, component: str, robot: str | None, every: int) -> Setup:
+    """What a component is told at the start, but for what each episode adds."""
+    return Setup(
+        component=component,
+        period=scenario.period * every,
+        seed=component_seed(scenario.seed, component),
+        world=scenario.world,
+        robots=scenario.robots,
+        robot=robot,
+    )
+
+
+def component_seed(seed: int, component: str) -> int:
+    """A component's own seed: the first 8 bytes, little-endian, of SHA-256 of `seed/component`."""
+    return int.from_bytes(hashlib.sha256(f"{seed}/{component}".encode()).digest()[:8], "little")
+
+
