@@ -20,7 +20,7 @@ PROTOCOL = 1
 CAPACITY = 1024
 """Messages that a mailbox holds before its sender has to wait."""
 
-_ATTACHMENT = struct.Struct("<QQq")
+_ATTACHMENT = struct.Struct("<QQqQ")
 
 zenoh.init_log_from_env_or("off")
 
@@ -30,7 +30,7 @@ class BusError(Exception):
 
 
 class Label(NamedTuple):
-    """The attachment of every data message: 24 bytes, little-endian."""
+    """The attachment of every data message: 32 bytes, little-endian."""
 
     episode: int
     """number of the episode, from 1 (uint64)"""
@@ -38,6 +38,8 @@ class Label(NamedTuple):
     """which tick's state or observation the message holds (uint64)"""
     time: int
     """simulated time of that tick [ns] (int64)"""
+    elapsed: int = 0
+    """wall-clock time of the component's own work in this step [ns] (uint64); never reaches the log's data"""
 
     def encode(self) -> bytes:
         return _ATTACHMENT.pack(*self)
@@ -46,7 +48,7 @@ class Label(NamedTuple):
     def decode(cls, data: bytes) -> Label:
         """Raise `BusError` unless the attachment is one."""
         if len(data) != _ATTACHMENT.size:
-            raise BusError(f"attachment of {len(data)} bytes, expected {_ATTACHMENT.size}: episode, tick, time")
+            raise BusError(f"attachment of {len(data)} bytes, expected {_ATTACHMENT.size}: episode, tick, time, elapsed")
         return cls(*_ATTACHMENT.unpack(data))
 
 

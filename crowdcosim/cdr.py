@@ -2,32 +2,68 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from collections.abc import Callable
 from functools import cache
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from crowdcosim.interfaces.generate import own_messages
-from crowdcosim.message import Message, MessageError
+from crowdcosim.message import Message, MessageError, field_names
 from crowdcosim.messages import MESSAGES
 
 
 class _Flat:
     """A message as the wire has it: every array one-dimensional."""
 
-    def __init__(self, message: Message) -> None:
-        self.__dict__.update((f.name, getattr(message, f.name)) for f in fields(message))  # type: ignore[arg-type]
-        for spec in message._ARRAYS:
-            self.__dict__[spec.name] = self.__dict__[spec.name].reshape(-1)
+
+@cache
+def _flattener(cls: type[Message]) -> Callable[[Message], Any]:
+    """What makes a message of type `cls` ready for the encoder."""
+    names = field_names(cls)
+    tables = [spec.name for spec in cls._ARRAYS if len(spec.shape) > 1]
+    if not tables:
+        return lambda message: message
+    values = attrgetter(*names)
+
+    def flatten(message: Message) -> _Flat:
+        flat = _Flat()
+        flat.__dict__ = members = dict(zip(names, values(message), strict=True))
+        for name in tables:
+            members[name] = members[name].reshape(-1)
+        return flat
+
+    return flatten
 
 
-def _maker(cls: type[Message]) -> Any:
-    names = [f.name for f in fields(cls)]  # type: ignore[arg-type]
+def _maker(cls: type[Message]) -> Callable[..., Message]:
+    """Makes a message from decoded fields, in their order; arrays come as views into the bytes and are copied."""
+    setters = [getattr(cls, name).__set__ for name in field_names(cls)]
+    position = {name: i for i, name in enumerate(field_names(cls))}
+    arrays = [(position[a.name], a.name, a.shape, a.shape[1] if len(a.shape) > 1 else 0) for a in cls._ARRAYS]
+    sequences = [(position[s.name], s.name, s.size) for s in cls._SEQUENCES]
 
-    def make(*values: Any) -> Message:
-        return cls(**dict(zip(names, values, strict=True)))
+    def make(*decoded: Any) -> Message:
+        values = list(decoded)
+        sizes: dict[int | str, int] = {}
+        for i, name, shape, columns in arrays:
+            array = values[i].copy()
+            if columns:
+                array = array.reshape(-1, columns)
+            array.setflags(write=False)
+            values[i] = array
+            if sizes.setdefault(shape[0], len(array)) != len(array) and shape[0] != "_":
+                raise MessageError(f"{name} has {len(array)} rows, the fields before it {sizes[shape[0]]}")
+        for i, name, size in sequences:
+            values[i] = tuple(values[i])
+            if sizes.setdefault(size, len(values[i])) != len(values[i]) and size != "_":
+                raise MessageError(f"{name} has {len(values[i])} items, the fields before it {sizes[size]}")
+        message = object.__new__(cls)
+        for put, value in zip(setters, values, strict=True):
+            put(message, value)
+        return message
 
     return make
 
@@ -39,7 +75,7 @@ def store() -> Any:
     for typename, text in own_messages().items():
         types.register(get_types_from_msg(text, typename))
     for typename, cls in MESSAGES.items():
-        types.types[typename] = _maker(cls)
+        types.types[typename] = _maker(cls)  # type: ignore[assignment]
     return types
 
 
@@ -49,7 +85,7 @@ def encode(message: Message) -> bytes:
     Raises:
         MessageError: if a field does not fit its type.
     """
-    wire: Any = _Flat(message) if any(len(spec.shape) > 1 for spec in message._ARRAYS) else message
+    wire = _flattener(type(message))(message)  # type: ignore[arg-type]
     try:
         return bytes(store().serialize_cdr(wire, message.TYPE))
     except Exception as error:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import fields
+from functools import cache
+from operator import attrgetter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -30,14 +33,7 @@ class SequenceField(NamedTuple):
 
 
 class Message:
-    """Base of all messages. Arrays are coerced to the declared dtype and shape and made read-only.
-
-    Scalars that the wire holds as float32 are rounded when the message is made, so that a message that never
-    crossed a wire holds the same values as one that did.
-
-    Raises:
-        MessageError: if an array cannot have the declared dtype and shape.
-    """
+    """Base of all messages: frozen data classes that know their ROS 2 type."""
 
     __slots__ = ()
     TYPE: ClassVar[str]
@@ -45,86 +41,89 @@ class Message:
     _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = ()
     _NARROW: ClassVar[tuple[str, ...]] = ()
 
-    def __post_init__(self) -> None:
-        sizes: dict[str, int] = {}
-        for spec in self._ARRAYS:
-            value = self._coerced(spec, getattr(self, spec.name))
-            object.__setattr__(self, spec.name, value)
-            symbol = spec.shape[0]
-            if isinstance(symbol, str) and symbol != "_":
-                self._agree(sizes, symbol, len(value), spec.name)
-        for sequence in self._SEQUENCES:
-            items = tuple(getattr(self, sequence.name))
-            object.__setattr__(self, sequence.name, items)
-            if sequence.size != "_":
-                self._agree(sizes, sequence.size, len(items), sequence.name)
-        for name in self._NARROW:
-            object.__setattr__(self, name, float(np.float32(getattr(self, name))))
-
-    def _agree(self, sizes: dict[str, int], symbol: str, size: int, name: str) -> None:
-        if sizes.setdefault(symbol, size) != size:
-            raise MessageError(
-                f"{type(self).__name__}.{name} has {size} rows where the fields before it have {sizes[symbol]}: "
-                f"all fields over {symbol} must have the same length"
-            )
-
-    def _coerced(self, spec: ArrayField, value: Any) -> np.ndarray[Any, Any]:
-        if (
-            type(value) is np.ndarray
-            and value.dtype == spec.dtype
-            and value.ndim == len(spec.shape)
-            and not value.flags.writeable
-            and value.flags.aligned
-            and value.flags.c_contiguous
-            and (len(spec.shape) == 1 or value.shape[1:] == spec.shape[1:])
-            and (type(spec.shape[0]) is str or value.shape[0] == spec.shape[0])
-        ):
-            return value
-        try:
-            array = np.asarray(value)
-            if array.dtype != spec.dtype and spec.dtype.kind in "ui" and array.size:
-                _check_integers(array, spec.dtype)
-            array = np.array(array, spec.dtype, order="C")
-            array = array.reshape(tuple(-1 if isinstance(s, str) else s for s in spec.shape))
-        except (TypeError, ValueError, OverflowError) as error:
-            expected = ", ".join(str(s) for s in spec.shape)
-            raise MessageError(
-                f"{type(self).__name__}.{spec.name}: expected {spec.dtype} of shape ({expected}), "
-                f"found {_describe(value)} ({error})"
-            ) from None
-        array.flags.writeable = False
-        return array
-
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return all(_same(getattr(self, f.name), getattr(other, f.name)) for f in fields(self))  # type: ignore[arg-type]
+        return all(_same(getattr(self, name), getattr(other, name)) for name in field_names(type(self)))
 
     __hash__ = None  # type: ignore[assignment]
 
 
-def check_finite(message: Any, where: str = "") -> None:
-    """Raise `MessageError` that names the first field holding NaN, or infinity where that has no meaning."""
-    path = where or type(message).__name__
-    for spec in message._ARRAYS:
-        if spec.dtype.kind != "f":
-            continue
-        array = getattr(message, spec.name)
-        bad = np.isnan(array) if spec.may_be_infinite else ~np.isfinite(array)
-        if bad.any():
-            index = tuple(int(i) for i in np.argwhere(bad)[0])
-            raise MessageError(f"{path}.{spec.name}{list(index)} is {array[index]}: outputs must be finite")
-    for item in fields(message):
-        value = getattr(message, item.name)
-        if isinstance(value, float):
-            if not math.isfinite(value):
-                raise MessageError(f"{path}.{item.name} is {value}: outputs must be finite")
-        elif isinstance(value, Message):
-            check_finite(value, f"{path}.{item.name}")
-        elif isinstance(value, tuple):
-            for number, element in enumerate(value):
-                if isinstance(element, Message):
-                    check_finite(element, f"{path}.{item.name}[{number}]")
+class CoercedMessage(Message):
+    """A message with arrays, sequences or 32-bit numbers, brought into the declared form when it is made.
+
+    Arrays are copied, get the declared dtype and shape, and become read-only. Scalars that the wire holds as
+    float32 are rounded, so that a message that never crossed a wire holds the same values as one that did.
+
+    Raises:
+        MessageError: if an array cannot have the declared dtype and shape.
+    """
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        sizes: dict[str, int] = {}
+        for spec in self._ARRAYS:
+            array = _coerced(self, spec, getattr(self, spec.name))
+            put(self, spec.name, array)
+            symbol = spec.shape[0]
+            if sizes.setdefault(symbol, len(array)) != len(array) and symbol != "_":  # type: ignore[arg-type]
+                self._disagree(spec.name, len(array), sizes[symbol])  # type: ignore[index]
+        for name, symbol in self._SEQUENCES:
+            items = tuple(getattr(self, name))
+            put(self, name, items)
+            if sizes.setdefault(symbol, len(items)) != len(items) and symbol != "_":
+                self._disagree(name, len(items), sizes[symbol])
+        for name in self._NARROW:
+            put(self, name, float(np.float32(getattr(self, name))))
+
+    def _disagree(self, name: str, size: int, others: int) -> None:
+        raise MessageError(
+            f"{type(self).__name__}.{name} has {size} rows where the fields before it have {others}: "
+            "all fields over one letter must have the same length"
+        )
+
+
+def field_names(cls: type[Message]) -> tuple[str, ...]:
+    """The fields of a message type, in the order of its definition."""
+    return _field_names(cls)  # type: ignore[arg-type]  # a class is hashable, its instances are not
+
+
+@cache
+def _field_names(cls: type[Message]) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(cls))  # type: ignore[arg-type]
+
+
+def _coerced(message: Message, spec: ArrayField, value: Any) -> np.ndarray[Any, Any]:
+    shape = spec.shape
+    if (
+        type(value) is np.ndarray
+        and value.dtype is spec.dtype
+        and value.ndim == len(shape)
+        and (value.ndim == 1 or value.shape[1] == shape[1])
+        and (type(shape[0]) is str or value.shape[0] == shape[0])
+    ):
+        array = value.copy(order="C")
+    else:
+        array = _converted(message, spec, value)
+    array.setflags(write=False)
+    return array
+
+
+def _converted(message: Message, spec: ArrayField, value: Any) -> np.ndarray[Any, Any]:
+    try:
+        array = np.asarray(value)
+        if array.dtype != spec.dtype and spec.dtype.kind in "ui" and array.size:
+            _check_integers(array, spec.dtype)
+        array = np.array(array, spec.dtype, order="C")
+        return array.reshape(tuple(-1 if isinstance(s, str) else s for s in spec.shape))
+    except (TypeError, ValueError, OverflowError) as error:
+        expected = ", ".join(str(s) for s in spec.shape)
+        raise MessageError(
+            f"{type(message).__name__}.{spec.name}: expected {spec.dtype} of shape ({expected}), "
+            f"found {_describe(value)} ({error})"
+        ) from None
 
 
 def _check_integers(array: np.ndarray[Any, Any], dtype: np.dtype[Any]) -> None:
@@ -134,6 +133,75 @@ def _check_integers(array: np.ndarray[Any, Any], dtype: np.dtype[Any]) -> None:
     limits = np.iinfo(dtype)
     if array.dtype.kind in "ui" and not (limits.min <= array.min() and array.max() <= limits.max):
         raise OverflowError(f"out of {limits.min} to {limits.max}")
+
+
+def check_finite(message: Message) -> None:
+    """Raise `MessageError` that names the first field holding NaN, or infinity where that has no meaning."""
+    if not _looks_finite(type(message))(message):  # type: ignore[arg-type]
+        for path, value, may_be_infinite in _numbers(message, type(message).__name__):
+            bad = np.isnan(value) if may_be_infinite else ~np.isfinite(value)
+            if bad.any():
+                index = [int(i) for i in np.argwhere(bad)[0]]
+                place = f"{path}{index}" if index else path
+                raise MessageError(f"{place} is {value[tuple(index)]}: outputs must be finite")
+
+
+@cache
+def _looks_finite(cls: type[Message]) -> Callable[[Message], bool]:
+    """A quick test: False where a closer look is due. A sum of squares is finite only if every term is."""
+    scalars, arrays, infinite, sequences = _paths(cls, "")
+    get_scalars = attrgetter(*scalars, "TYPE") if scalars else None  # TYPE: so that there are always two at least
+    getters = [attrgetter(path) for path in arrays]
+    infinite_getters = [attrgetter(path) for path in infinite]
+    sequence_getters = [attrgetter(path) for path in sequences]
+
+    def looks_finite(message: Message) -> bool:
+        if get_scalars is not None and not math.isfinite(sum(get_scalars(message)[:-1])):
+            return False
+        for get in getters:
+            flat = get(message).reshape(-1)
+            if not math.isfinite(flat.dot(flat)):
+                return False
+        for get in infinite_getters:
+            flat = get(message).reshape(-1)
+            if math.isnan(flat.dot(flat)):
+                return False
+        return not any(isinstance(item, Message) for get in sequence_getters for item in get(message))
+
+    return looks_finite
+
+
+def _paths(cls: type[Message], prefix: str) -> tuple[list[str], list[str], list[str], list[str]]:
+    """Where a message type has float scalars, float arrays, such arrays that may be infinite, and sequences."""
+    example = cls()
+    scalars, sequences = [], [prefix + s.name for s in cls._SEQUENCES]
+    arrays = [prefix + a.name for a in cls._ARRAYS if a.dtype.kind == "f" and not a.may_be_infinite]
+    infinite = [prefix + a.name for a in cls._ARRAYS if a.dtype.kind == "f" and a.may_be_infinite]
+    for name in field_names(cls):
+        value = getattr(example, name)
+        if isinstance(value, float):
+            scalars.append(prefix + name)
+        elif isinstance(value, Message):
+            for mine, inner in zip(
+                (scalars, arrays, infinite, sequences), _paths(type(value), f"{prefix}{name}."), strict=True
+            ):
+                mine.extend(inner)
+    return scalars, arrays, infinite, sequences
+
+
+def _numbers(message: Message, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any], bool]]:
+    """Every float of a message: path, value as an array, and whether it may be infinite."""
+    infinite = {spec.name for spec in message._ARRAYS if spec.may_be_infinite}
+    for name in field_names(type(message)):
+        value = getattr(message, name)
+        if isinstance(value, float) or (isinstance(value, np.ndarray) and value.dtype.kind == "f"):
+            yield f"{path}.{name}", np.asarray(value), name in infinite
+        elif isinstance(value, Message):
+            yield from _numbers(value, f"{path}.{name}")
+        elif isinstance(value, tuple):
+            for index, element in enumerate(value):
+                if isinstance(element, Message):
+                    yield from _numbers(element, f"{path}.{name}[{index}]")
 
 
 def _describe(value: Any) -> str:

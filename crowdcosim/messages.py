@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from crowdcosim.message import ArrayField, Message, SequenceField
+from crowdcosim.message import ArrayField, CoercedMessage, Message, SequenceField
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
@@ -79,7 +79,7 @@ class Pose(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class PoseWithCovariance(Message):
+class PoseWithCovariance(CoercedMessage):
     """The standard ROS 2 message `geometry_msgs/msg/PoseWithCovariance`."""
 
     TYPE: ClassVar[str] = "geometry_msgs/msg/PoseWithCovariance"
@@ -102,7 +102,7 @@ class Twist(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class TwistWithCovariance(Message):
+class TwistWithCovariance(CoercedMessage):
     """The standard ROS 2 message `geometry_msgs/msg/TwistWithCovariance`."""
 
     TYPE: ClassVar[str] = "geometry_msgs/msg/TwistWithCovariance"
@@ -157,7 +157,7 @@ class Clock(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class LaserScan(Message):
+class LaserScan(CoercedMessage):
     """The standard ROS 2 message `sensor_msgs/msg/LaserScan`."""
 
     TYPE: ClassVar[str] = "sensor_msgs/msg/LaserScan"
@@ -188,7 +188,7 @@ class LaserScan(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class TFMessage(Message):
+class TFMessage(CoercedMessage):
     """The standard ROS 2 message `tf2_msgs/msg/TFMessage`."""
 
     TYPE: ClassVar[str] = "tf2_msgs/msg/TFMessage"
@@ -200,7 +200,7 @@ class TFMessage(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class BeamAgents(Message):
+class BeamAgents(CoercedMessage):
     """Who each beam of a laser scan has hit; beam order as in the LaserScan of the same sensor and time."""
 
     TYPE: ClassVar[str] = "crowdcosim_msgs/msg/BeamAgents"
@@ -222,7 +222,7 @@ class BeamAgents(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class Contacts(Message):
+class Contacts(CoercedMessage):
     """What touched one robot during the step that ends at this time: a structure of arrays over C contacts."""
 
     TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Contacts"
@@ -274,7 +274,7 @@ class Contacts(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class Crowd(Message):
+class Crowd(CoercedMessage):
     """The people on the ground plane, as they truly are: a structure of arrays over N people."""
 
     TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Crowd"
@@ -328,7 +328,7 @@ class Done(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class Goal(Message):
+class Goal(CoercedMessage):
     """What one robot is asked to reach: a line to cross or a disc to enter."""
 
     TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Goal"
@@ -350,7 +350,7 @@ class Goal(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class Metrics(Message):
+class Metrics(CoercedMessage):
     """What the evaluator found: a table of M rows, one row per robot and metric."""
 
     TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Metrics"
@@ -380,7 +380,7 @@ class Metrics(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
-class RobotState(Message):
+class RobotState(CoercedMessage):
     """Where one robot truly is and how it moves."""
 
     TYPE: ClassVar[str] = "crowdcosim_msgs/msg/RobotState"

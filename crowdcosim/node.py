@@ -148,17 +148,18 @@ class Node:
         assert self._host is not None
         begin = time.perf_counter_ns()
         try:
-            if tick.phase == Tick.RESET:
-                self._episode = tick.episode
-                self._send(self._host.reset(**json.loads(tick.setup)), tick, 0)
-            elif tick.phase == Tick.STEP:
-                if not self._host.due(tick.tick):
+            match tick.phase:
+                case Tick.RESET:
+                    self._episode = tick.episode
+                    self._send(self._host.reset(**json.loads(tick.setup)), tick, 0)
+                case Tick.STEP if self._host.due(tick.tick):
+                    begin = self._step(self._host, tick)
+                    if self._host.ports.kind != "observer":
+                        return True  # its outputs are its answer
+                case Tick.FINISH if self._host.ports.kind == "observer":
+                    self._send(self._host.finish(tick.tick, self._read), tick, tick.tick)
+                case _:
                     return True
-                begin = self._step(self._host, tick)
-            elif self._host.ports.kind == "observer":
-                self._send(self._host.finish(tick.tick, self._read), tick, tick.tick)
-            else:
-                return True
         except Exception as error:
             traceback.print_exc()
             self._answer_done(tick, begin, str(error) if isinstance(error, BusError) else blame(error))
@@ -168,7 +169,7 @@ class Node:
 
     def _step(self, host: ComponentHost, tick: Tick) -> int:
         """One step; returns when its own work began, after the wait for its inputs."""
-        began = 0
+        began = time.perf_counter_ns()
 
         def read(source: Source, label: int) -> Message:
             nonlocal began
@@ -177,27 +178,20 @@ class Node:
             return message
 
         outputs = host.step(tick.tick, read)
-        self._send(outputs, tick, host.output_label(tick.tick))
-        return began or time.perf_counter_ns()
+        self._send(outputs, tick, host.output_label(tick.tick), time.perf_counter_ns() - began)
+        return began
 
     def _read(self, source: Source, label: int) -> Message:
         return self._inboxes[source.component, source.port].read(self._episode, label)
 
-    def _send(self, outputs: dict[str, Message], tick: Tick, label: int) -> None:
-        assert self._host is not None
-        time_ns = tick.time + (label - tick.tick) * tick.period
-        attachment = Label(self._episode, label, time_ns)
+    def _send(self, outputs: dict[str, Message], tick: Tick, label: int, elapsed: int = 0) -> None:
+        attachment = Label(self._episode, label, tick.time + (label - tick.tick) * tick.period, elapsed)
         for port, message in outputs.items():
             self._publishers[port].send(encode(message), attachment)
 
     def _answer_done(self, tick: Tick, begin: int, error: str = "") -> None:
-        done = Done(
-            phase=tick.phase,
-            tick=tick.tick,
-            ok=not error,
-            error=error,
-            elapsed=time.perf_counter_ns() - begin,
-        )
+        elapsed = time.perf_counter_ns() - begin
+        done = Done(phase=tick.phase, tick=tick.tick, ok=not error, error=error, elapsed=elapsed)
         self._done.send(encode(done), Label(self._episode, tick.tick, tick.time))
 
     def _report_compilation(self) -> None:

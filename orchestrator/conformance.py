@@ -303,7 +303,6 @@ def _send_future(publishers: dict[tuple[str, str], Publisher], hosts: dict[str, 
 def _refusal(trial: _Trial) -> str:
     while True:
         event = trial.remote.receive()
-        if isinstance(event, Finished):
-            if event.done.ok:
-                raise RunError(NAME, 0, "stepped on inputs of tick 7 when it was asked for tick 0")
+        if isinstance(event, Finished) and not event.done.ok:
             return event.done.error
+        raise RunError(NAME, 0, "stepped on inputs of tick 7 when it was asked for tick 0")

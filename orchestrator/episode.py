@@ -213,8 +213,9 @@ def timing_of(times: list[int]) -> Timing:
 
 
 def _reference_run(simulation: Simulation) -> Reference | None:
-    """The same robots without people: what the ratios of the metrics compare with. None without an evaluator."""
-    if all(member.ports.kind != "observer" for member in simulation.graph.members.values()):
+    """The same robots without people: what the ratios of the metrics compare with. None if nobody would."""
+    judged = any(member.ports.kind == "observer" for member in simulation.graph.members.values())
+    if not (judged and simulation.scenario.reference):
         return None
     lockstep = simulation.lockstep
     lockstep.commit = None

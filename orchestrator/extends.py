@@ -72,7 +72,10 @@ def extended(node: Node, shelf: Shelf, key: str = "", chain: tuple[Path, ...] = 
 
 
 def merge(base: Node, over: Node) -> Node:
-    """`over` laid over `base`: mappings merge, null takes a key away, everything else replaces."""
+    """`over` laid over `base`: mappings merge, null takes a key away, everything else replaces.
+
+    A component for which `over` names another `use` or `exec` is replaced as a whole.
+    """
     if not (isinstance(base.value, dict) and isinstance(over.value, dict)):
         return over
     entries = dict(base.value)
@@ -85,9 +88,18 @@ def merge(base: Node, over: Node) -> Node:
         elif key == "model" and isinstance(below.value, str) and isinstance(node.value, dict):
             # A robot's file by name, then single values of it: `--set robots.robot.model.max_speed=0.5`.
             entries[key] = replace(node, value={"extends": below} | node.value)
+        elif _names_another_component(below, node):
+            entries[key] = node  # the options and inputs below belong to the component that was there
         else:
             entries[key] = merge(below, node)
     return Node(entries, over.place)
+
+
+def _names_another_component(below: Node, over: Node) -> bool:
+    if not (isinstance(below.value, dict) and isinstance(over.value, dict)):
+        return False
+    named = [{k: n.plain() for k, n in node.value.items() if k in ("use", "exec")} for node in (below, over)]
+    return all(named) and named[0] != named[1]
 
 
 def with_settings(node: Node, settings: Sequence[str]) -> Node:

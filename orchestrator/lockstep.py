@@ -93,7 +93,8 @@ class Lockstep:
         self._held: dict[tuple[str, str], _Held] = {}
         self._before: dict[tuple[str, str], _Held] = {}
         self._incoming: dict[tuple[str, str], _Held] = {}
-        self._pending: set[str] = set()
+        # Components elsewhere that have still to answer, with the number of outputs that are their answer (0: `done`).
+        self._pending: dict[str, int] = {}
         self._episode = 0
         self.elapsed: dict[str, list[int]] = {name: [] for name in self._steppers}
         """wall-clock time of each component's own work per step [ns]"""
@@ -117,7 +118,8 @@ class Lockstep:
                 for port, message in self._guard(name, None, host.reset, **setup).items():
                     self._publish(name, port, Label(self._episode, 0, 0), message)
         self._await_answers(Tick.RESET, 0)
-        self._commit(None, self._having("mover"), expected=lambda name: 0)
+        self._require(self._having("mover"), None)
+        self._commit(None)
 
     def step(self, tick: int) -> None:
         """Tick `tick`: from the committed state `tick` to the next."""
@@ -127,7 +129,7 @@ class Lockstep:
             if host := self._inline.get(name):
                 self._step_inline(name, host, tick)
         self._await_answers(Tick.STEP, tick)
-        self._commit(tick, due, expected=lambda name: self._label_made(name, tick))
+        self._commit(tick)
 
     def finish(self, tick: int) -> None:
         """The last look: observers see the final state `tick` and give their verdict."""
@@ -139,7 +141,8 @@ class Lockstep:
                 for port, message in self._guard(name, tick, host.finish, tick, self._reader(tick)).items():
                     self._publish(name, port, label, message)
         self._await_answers(Tick.FINISH, tick)
-        self._commit(tick, observers, expected=lambda name: tick)
+        self._require(observers, tick)
+        self._commit(tick)
 
     def latest(self, component: str, port: str, tick: int) -> Any:
         """The committed message of an output that holds at `tick`; None if there is none."""
@@ -151,7 +154,7 @@ class Lockstep:
     # --- one tick ------------------------------------------------------------------------------------------------
 
     def _tell(self, tick: Tick, who: tuple[str, ...]) -> None:
-        self._pending = set(who) & self._remote_names
+        self._pending = {n: self._answers(n, tick.phase) for n in who if n in self._remote_names}
         if self._remote and (self._pending or tick.phase == Tick.STEP):
             message = Tick(
                 phase=tick.phase,
@@ -217,31 +220,49 @@ class Lockstep:
         except RunError as error:
             self._blame_sender_first(tick, error)
         if isinstance(event, Data):
-            self._take_data(event, tick)
+            self._take_data(event, phase, tick)
         else:
-            self._take_answer(event, phase, tick)
+            self._take_done(event, phase, tick)
 
-    def _take_data(self, event: Data, tick: int) -> None:
-        if event.label.episode != self._episode:
+    def _take_data(self, event: Data, phase: int, tick: int) -> None:
+        component, port, label, payload = event
+        if label.episode != self._episode:
             return
-        place = (event.component, event.port)
-        if place in self._incoming:
-            raise RunError(event.component, tick, f"output '{event.port}' was published twice")
-        self._incoming[place] = _Held(event.label, self._types[place], event.payload, None)
+        expected = self._label_made(component, phase, tick)
+        if (label.tick, label.time) != (expected, expected * self._period):
+            found = f"output '{port}' is labelled tick {label.tick} at {label.time} ns"
+            wanted = f"expected tick {expected} at {expected * self._period} ns"
+            raise RunError(component, None if phase == Tick.RESET else tick, f"{found}, {wanted}")
+        if (component, port) in self._incoming:
+            raise RunError(component, tick, f"output '{port}' was published twice")
+        self._incoming[component, port] = _Held(label, self._types[component, port], payload, None)
+        if self._pending.get(component, 0) > 0:
+            self._pending[component] -= 1
+            if self._pending[component] == 0:
+                self._answered(component, label.elapsed if phase == Tick.STEP else None)
 
-    def _take_answer(self, event: Finished, phase: int, tick: int) -> None:
+    def _take_done(self, event: Finished, phase: int, tick: int) -> None:
         component, done = event
+        when = None if phase == Tick.RESET else tick
         if not done.ok:
-            self._blame_sender_first(tick, RunError(component, None if phase == Tick.RESET else tick, done.error))
+            self._blame_sender_first(tick, RunError(component, when, done.error))
         if (done.phase, done.tick) != (phase, tick):
-            raise RunError(component, tick, f"answered tick {done.tick}, expected {tick}")
-        if component not in self._pending:
-            raise RunError(component, tick, f"answered tick {tick} twice or without being asked")
-        self._pending.discard(component)
+            raise RunError(component, when, f"answered phase {done.phase} of tick {done.tick}, expected {phase} of {tick}")
+        if self._pending.get(component) != 0:
+            raise RunError(component, when, "sent `done` without being asked: after a step its outputs are its answer")
+        self._answered(component, done.elapsed if phase == Tick.STEP else None)
+
+    def _answers(self, component: str, phase: int) -> int:
+        """How many outputs are a component's answer; 0 where it answers with `done`."""
+        ports = self._graph.members[component].ports
+        return len(ports.outputs) if phase == Tick.STEP and ports.kind != "observer" else 0
+
+    def _answered(self, component: str, elapsed: int | None) -> None:
+        del self._pending[component]
         assert self._remote is not None
         self._remote.answered(component)
-        if phase == Tick.STEP:
-            self.elapsed[component].append(done.elapsed)
+        if elapsed is not None:
+            self.elapsed[component].append(elapsed)
 
     def _blame_sender_first(self, tick: int, error: RunError) -> None:
         """Raise: a component may have failed because of what another one sent it; then that one is to blame."""
@@ -259,11 +280,8 @@ class Lockstep:
         except MessageError as error:
             raise RunError(component, tick, f"output '{port}': {error}") from None
 
-    def _commit(self, tick: int | None, due: tuple[str, ...], expected: Callable[[str], int]) -> None:
-        """Check that all who were due have published the right tick, and hand it to the log in the scenario's order."""
-        for component in due:
-            if component in self._remote_names:
-                self._check_labels(component, tick, expected(component))
+    def _commit(self, tick: int | None) -> None:
+        """Hand all that was made to the log in the scenario's order; from now on it is what readers see."""
         made = sorted(self._incoming.items(), key=lambda item: self._order[item[0]])
         for place, _ in made:
             self._verify(place, tick)
@@ -273,26 +291,20 @@ class Lockstep:
         if self.commit:
             self.commit([Committed(*place, held.label.time, held.encoded()) for place, held in made])
 
-    def _check_labels(self, component: str, tick: int | None, expected: int) -> None:
-        for output in self._graph.members[component].ports.outputs:
-            held = self._incoming.get((component, output.name))
-            if held is None:
-                if self._graph.members[component].ports.kind != "observer":
+    def _require(self, components: tuple[str, ...], tick: int | None) -> None:
+        """Components that answer with `done` must have published their outputs before."""
+        for component in components:
+            for output in self._graph.members[component].ports.outputs:
+                if (component, output.name) not in self._incoming:
                     raise RunError(component, tick, f"answered without having published output '{output.name}'")
-            elif held.label.tick != expected or held.label.time != expected * self._period:
-                raise RunError(
-                    component,
-                    tick,
-                    f"output '{output.name}' is labelled tick {held.label.tick} at {held.label.time} ns, "
-                    f"expected tick {expected} at {expected * self._period} ns",
-                )
 
     def _having(self, kind: str) -> tuple[str, ...]:
         return tuple(n for n in self._steppers if self._graph.members[n].ports.kind == kind)
 
-    def _label_made(self, name: str, tick: int) -> int:
+    def _label_made(self, name: str, phase: int, tick: int) -> int:
+        """The tick that outputs made now hold."""
         member = self._graph.members[name]
-        return tick + member.every if member.ports.kind == "mover" else tick
+        return tick + member.every if phase == Tick.STEP and member.ports.kind == "mover" else tick
 
     def _publishers_of_inline_outputs(self) -> dict[tuple[str, str], Any]:
         """A publisher for every output that is made here and read elsewhere."""

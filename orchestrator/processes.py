@@ -89,7 +89,12 @@ class Processes:
     def close(self) -> None:
         """Kill what still runs and wait for the launcher to have left."""
         assert self._launcher.stdin is not None and self._launcher.stdout is not None
+        if self._launcher.returncode is not None:
+            return
+        self.poll()
         self._launcher.stdin.close()
+        if not self.running:
+            self._launcher.kill()  # it may be busy importing, and has nobody to look after
         try:
             self._launcher.wait(timeout=5)
         except subprocess.TimeoutExpired:

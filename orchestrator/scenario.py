@@ -37,6 +37,8 @@ class Scenario:
     robots: tuple[Robot, ...]
     components: tuple[ComponentSpec, ...]
     """in canonical order: the crowd; of each robot its drive, sensors, controller; the evaluator"""
+    reference: bool
+    """run the robots without people first"""
     ending: Ending
     deadlines: Deadlines
     resolved: Mapping[str, Any]
@@ -100,6 +102,7 @@ def _checked(tree: Node, *, trust: bool = False) -> Scenario:
         world=world,
         robots=robots,
         components=components,
+        reference=file.reference,
         ending=file.end,
         deadlines=file.deadlines,
         resolved=_resolved(file, components),

@@ -135,6 +135,8 @@ class ScenarioFile:
     """robot's name -> robot"""
     evaluator: ComponentEntry | None = None
     """judges the run; nobody does if left out"""
+    reference: bool = True
+    """before the run, the robots do it without people: the ratios of the metrics compare with that"""
     end: Ending
     deadlines: Deadlines = field(default_factory=Deadlines)
 

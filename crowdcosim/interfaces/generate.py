@@ -48,7 +48,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from crowdcosim.message import ArrayField, Message, SequenceField
+from crowdcosim.message import ArrayField, CoercedMessage, Message, SequenceField
 '''
 
 PYTHON_SCALARS = {"float32": "float", "float64": "float", "bool": "bool", "string": "str"}
@@ -105,7 +105,8 @@ def python_class(typename: str, text: str | None) -> str:
     body += [f"    _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = {tuple_source(sequences)}"] if sequences else []
     body += [f"    _NARROW: ClassVar[tuple[str, ...]] = {tuple_source(narrow)}"] if narrow else []
     decorator = "@dataclass(frozen=True, kw_only=True, eq=False, slots=True)"
-    return "\n".join([decorator, f"class {name}(Message):", *body, "", *declared])
+    base = "CoercedMessage" if arrays or sequences or narrow else "Message"
+    return "\n".join([decorator, f"class {name}({base}):", *body, "", *declared])
 
 
 def tuple_source(items: list[str]) -> str:

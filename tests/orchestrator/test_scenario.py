@@ -204,3 +204,15 @@ def test_a_mapping_may_extend_a_shipped_scenario(folder: Path) -> None:
 def test_reading_a_scenario_loads_neither_numba_nor_zenoh() -> None:
     program = "import sys, orchestrator.scenario; print({'numba', 'zenoh', 'pymunk', 'matplotlib'} & set(sys.modules))"
     assert subprocess.check_output([sys.executable, "-c", program], text=True).strip() == "set()"
+
+
+def test_naming_another_component_drops_the_options_of_the_one_that_was_there() -> None:
+    changed = load(
+        "corridor", ["robots.robot.sensors.lidar.config.beams=90", "robots.robot.sensors.lidar.use=odometry"]
+    )
+    assert "beams" not in changed.component("robot/lidar").config
+
+
+def test_a_command_takes_the_place_of_a_shipped_component() -> None:
+    changed = load("corridor", ["robots.robot.controller.exec=[sh, -c, 'true']"])
+    assert changed.component("robot/controller").host == "exec"

@@ -1,0 +1,1 @@
+"""The crowd: people who walk."""

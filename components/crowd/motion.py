@@ -1,0 +1,163 @@
+"""From wanted accelerations to the next state: limits, contacts, walls, the seam.
+
+a' = a limited to a_max; v' = v + a' dt limited to v_max; v'' = v' + (k / m) sum overlap n dt; p' = p + v'' dt
+(van Toll et al. 2020, "Generalized microscopic crowd simulation using costs in velocity space", and the defaults of
+its library, k = 5000 N/m and m = 80 kg for everybody). Contacts come from the old positions: all move at once.
+
+Not in the paper: the limit of the stiffness for long time steps; nobody's centre passes a wall.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from components.crowd.cells import gather, shortest, sort_into_cells
+from components.crowd.scene import Scene
+from components.crowd.walls import nearest_on_segment, seen_from
+
+Array = NDArray[np.float64]
+
+STIFFNESS = 5000.0 / 80.0
+"""k / m: acceleration per overlap [1/s2]"""
+STABLE = 0.625
+"""(k / m) dt^2 stays at or below this: a jam's fastest vibration has omega^2 = 6 k / m (hexagonal lattice), and the
+integration is stable for omega dt < 2, that is below 2 / 3; the default stiffness is within at dt = 0.1 s"""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def contact_accelerations(
+    position: Array, radius: Array, robots: Array, walls: Array, period: Array, dt: float
+) -> Array:
+    """(N, 2) accelerations by which bodies, robots and walls push those who overlap with them [m/s2]."""
+    n = len(position)
+    push = np.zeros((n, 2))
+    if n == 0:
+        return push
+    stiffness = min(STIFFNESS, STABLE / (dt * dt))
+    reach = 2.0 * radius.max()
+    cells = sort_into_cells(position, period, reach)
+    found, px, py = np.empty(n + 1, np.int64), np.empty(n + 1), np.empty(n + 1)
+    for k in range(n):
+        i = cells.order[k]
+        for f in range(gather(cells, k, k + 1, reach, found, px, py)):
+            j = cells.order[found[f]]
+            distance = math.sqrt(px[f] * px[f] + py[f] * py[f])
+            overlap = radius[i] + radius[j] - distance
+            if overlap > 0.0:
+                # Two in one place are pushed apart in x.
+                nx, ny = (px[f] / distance, py[f] / distance) if distance > 0.0 else (1.0, 0.0)
+                push[i, 0] -= stiffness * overlap * nx
+                push[i, 1] -= stiffness * overlap * ny
+                push[j, 0] += stiffness * overlap * nx
+                push[j, 1] += stiffness * overlap * ny
+        for f in range(len(robots)):
+            x = shortest(robots[f, 0] - cells.x[k], period[0])
+            y = shortest(robots[f, 1] - cells.y[k], period[1])
+            _push_off(push, i, x, y, radius[i] + robots[f, 4], stiffness)
+        for f in range(len(walls)):
+            ax, ay, bx, by = seen_from(walls[f], cells.x[k], cells.y[k], period)
+            x, y, _ = nearest_on_segment(ax, ay, bx, by, 0.0, 0.0)
+            _push_off(push, i, x, y, radius[i], stiffness)
+    return push
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _push_off(push: Array, i: int, x: float, y: float, reach: float, stiffness: float) -> None:
+    """Push person `i` away from what is at (x, y) relative to it, if that is within `reach`."""
+    squared = x * x + y * y
+    if 0.0 < squared < reach * reach:
+        distance = math.sqrt(squared)
+        push[i, 0] -= stiffness * (reach - distance) * x / distance
+        push[i, 1] -= stiffness * (reach - distance) * y / distance
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _limit(x: float, y: float, greatest: float) -> tuple[float, float]:
+    """The vector, shortened to the greatest length if it is longer."""
+    length = math.sqrt(x * x + y * y)
+    return (x * greatest / length, y * greatest / length) if length > greatest else (x, y)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _crossed(walls: Array, x: float, y: float, sx: float, sy: float, period: Array) -> int:
+    """Index of a wall that the step (sx, sy) from (x, y) crosses, -1 if none."""
+    for f in range(len(walls)):
+        ax, ay, bx, by = seen_from(walls[f], x, y, period)
+        ux, uy = bx - ax, by - ay
+        before, after = ux * ay - uy * ax, ux * (ay - sy) - uy * (ax - sx)
+        on_a, on_b = sx * ay - sy * ax, sx * by - sy * bx
+        # Who stands on the line itself may leave it to either side.
+        if before != 0.0 and before * after <= 0.0 and on_a * on_b <= 0.0:
+            return f
+    return -1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _into_period(x: float, period: float) -> float:
+    """A coordinate moved by whole periods into [0, period)."""
+    if period <= 0.0:
+        return x
+    x -= math.floor(x / period) * period
+    # A tiny negative coordinate rounds to the period itself, which is the other name of 0.
+    return 0.0 if x >= period else x
+
+
+def move(scene: Scene, acceleration: Array, max_acceleration: float) -> tuple[Array, Array]:
+    """Positions and velocities, both (N, 2), one step later [m, m/s].
+
+    Args:
+        scene: the old state
+        acceleration: (N, 2) wanted accelerations [m/s2]
+        max_acceleration: limit of them; contacts may exceed it, and `scene.max_speed` too [m/s2]
+    """
+    return _move(
+        scene.position,
+        scene.velocity,
+        acceleration,
+        scene.radius,
+        scene.robots,
+        scene.walls,
+        scene.period,
+        scene.max_speed,
+        max_acceleration,
+        scene.dt,
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _move(
+    position: Array,
+    velocity: Array,
+    acceleration: Array,
+    radius: Array,
+    robots: Array,
+    walls: Array,
+    period: Array,
+    max_speed: float,
+    max_acceleration: float,
+    dt: float,
+) -> tuple[Array, Array]:
+    n = len(position)
+    push = contact_accelerations(position, radius, robots, walls, period, dt)
+    new_position, new_velocity = np.empty((n, 2)), np.empty((n, 2))
+    for i in range(n):
+        ax, ay = _limit(acceleration[i, 0], acceleration[i, 1], max_acceleration)
+        vx, vy = _limit(velocity[i, 0] + ax * dt, velocity[i, 1] + ay * dt, max_speed)
+        vx, vy = vx + push[i, 0] * dt, vy + push[i, 1] * dt
+        x, y = position[i, 0], position[i, 1]
+        wall = _crossed(walls, x, y, vx * dt, vy * dt, period)
+        if wall >= 0:
+            # Slide along it; whoever would then cross another stays.
+            ux, uy = walls[wall, 1, 0] - walls[wall, 0, 0], walls[wall, 1, 1] - walls[wall, 0, 1]
+            along = (vx * ux + vy * uy) / (ux * ux + uy * uy)
+            vx, vy = along * ux, along * uy
+            if _crossed(walls, x, y, vx * dt, vy * dt, period) >= 0:
+                vx, vy = 0.0, 0.0
+        new_velocity[i, 0], new_velocity[i, 1] = vx, vy
+        new_position[i, 0] = _into_period(x + vx * dt, period[0])
+        new_position[i, 1] = _into_period(y + vy * dt, period[1])
+    return new_position, new_velocity

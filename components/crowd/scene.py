@@ -1,0 +1,45 @@
+"""What people act upon at one instant: everybody's state, robots, walls, limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RANGE = 5.0
+"""people notice others and robots up to this distance, centre to centre [m]"""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Scene:
+    """The old state, from which everybody computes before anybody moves."""
+
+    position: Array
+    """(N, 2) centres, within [0, period) along periodic axes [m]"""
+    velocity: Array
+    """(N, 2) velocities [m/s]"""
+    preferred: Array
+    """(N, 2) velocities that people would walk at if they were alone [m/s]"""
+    radius: Array
+    """(N,) radii of the bodies' discs [m]"""
+    robots: Array
+    """(M, 5) x, y, velocity in x and y, and radius of each robot that people see [m, m/s]"""
+    walls: Array
+    """(W, 2, 2) both ends of the walls that stop people [m]"""
+    period: Array
+    """(2,) period of each axis, 0 where the world does not wrap around [m]"""
+    max_speed: float
+    """nobody wants to be faster [m/s]"""
+    dt: float
+    """time step [s]"""
+
+
+class Policy(Protocol):
+    """How people react to what is around them."""
+
+    def accelerate(self, scene: Scene) -> Array:
+        """(N, 2) accelerations that everybody wants [m/s2]."""

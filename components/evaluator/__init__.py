@@ -1,0 +1,1 @@
+"""The evaluator: metrics of a run."""
