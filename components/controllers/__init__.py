@@ -1,0 +1,1 @@
+"""The controllers: from observations to commands."""

@@ -1,0 +1,268 @@
+"""Optimal reciprocal collision avoidance (ORCA), mapped to a differential drive that brakes rather than flees.
+
+Each neighbour takes a half-plane from the robot's velocities: with u the least change that brings the relative
+velocity out of the cone of velocities that collide within tau, the robot takes half of it,
+
+    (v - (v_robot + u / 2)) . n >= 0,  n the outward normal of the cone there.
+
+A wall at distance d with normal n leaves  v . n <= (d - r) / tau_wall. Among what is left, ORCA's linear programs give
+the velocity V nearest to the preferred one, v_pref, which is straight at the goal (`half_planes.py`). Then
+
+    V <- V without its part against v_pref,  v = max(0, |V| cos e),  omega = 2 e,  e from the heading to V.
+
+van den Berg, Guy, Lin, Manocha, "Reciprocal n-body collision avoidance", ISRR 2009, section 4.
+
+Not in the paper: a margin around the robot; all of u, not half of it, for a neighbour who stands and so avoids nobody;
+a neighbour straight ahead on the way to the goal counts as a little to one side, since exact symmetry makes ORCA stop
+and wait for good; v never so large that the robot, which moves along its heading and not along V, would break the
+half-plane of a wall or of somebody who stands.
+Differs from the paper: the half-plane of a wall lies across the line of sight to its nearest point; the robot is not
+holonomic. Exact mappings to a differential drive (a point ahead of the axle; a larger radius) back away from a dense
+crowd that comes towards the robot; this one waits, turns, and then drives.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from components.controllers.ego import Ego, command, ego_of, heading_error, turn, way_to
+from components.controllers.half_planes import best_velocity
+from components.controllers.surroundings import Discs, discs_of, frozen, nearest_image, nearest_on_segment
+from crowdcosim import Controller, Setup
+from crowdcosim.messages import Crowd, Goal, Odometry, RobotState, Twist
+
+Array = NDArray[np.float64]
+
+AT_REST = 0.1
+"""speed below which a neighbour stands [m/s]"""
+OFF_AXIS = 0.01
+"""least distance of a neighbour from the line through the robot along the way to the goal [m]"""
+STANDING = 1e-6
+"""speed below which a velocity has no direction [m/s]"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Options of reciprocal avoidance."""
+
+    horizon: float = 1.5
+    """tau, for how long the robot wants to be free of collisions with neighbours [s]"""
+    wall_horizon: float = 1.0
+    """tau_wall, and with walls [s]"""
+    neighbours: int = 5
+    """how many, at most, are avoided, the nearest first"""
+    range: float = 5.0
+    """how far neighbours are seen, from centre to centre [m]"""
+    margin: float = 0.02
+    """added to the robot's radius [m]"""
+    share: float = 0.5
+    """how much of the avoidance of somebody who walks the robot takes; half is reciprocal, 1 is all of it"""
+
+    def __post_init__(self) -> None:
+        for name in ("horizon", "wall_horizon", "range"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
+        if not self.neighbours >= 0:
+            raise ValueError(f"neighbours is {self.neighbours}, expected zero or more")
+        if not self.margin >= 0:
+            raise ValueError(f"margin is {self.margin}, expected zero or more")
+        if not 0 <= self.share <= 1:
+            raise ValueError(f"share is {self.share}, expected 0 to 1")
+
+
+class Avoidance(NamedTuple):
+    """What the avoidance goes by: the options, and the robot's limits."""
+
+    horizon: float
+    wall_horizon: float
+    neighbours: int
+    range: float
+    share: float
+    dt: float
+    """period [s]"""
+    body: float
+    """radius with margin [m]"""
+    max_speed: float
+
+
+class RVO(Controller):
+    """ORCA for a differential drive: predicts people, and expects half of the avoidance from them."""
+
+    def __init__(self, config: Config) -> None:
+        self._config = config
+
+    def reset(self, setup: Setup) -> None:
+        """Take the robot's limits and the walls, and load the kernels."""
+        config, model = self._config, setup.own_robot.model
+        self._own = setup.own_robot.name
+        self._walls = frozen(setup.world.segments)
+        self._period = frozen(setup.world.period)
+        self._max_turn_rate = model.max_angular_velocity
+        self._avoidance = Avoidance(
+            horizon=config.horizon,
+            wall_horizon=config.wall_horizon,
+            neighbours=config.neighbours,
+            range=config.range,
+            share=config.share,
+            dt=setup.dt,
+            body=model.radius + config.margin,
+            max_speed=model.max_speed,
+        )
+        nobody = discs_of(Crowd(), (), self._own)
+        safe_velocity(Ego(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, nobody, self._walls, self._period, self._avoidance)
+
+    def step(self, odometry: Odometry, goal: Goal, crowd: Crowd, others: tuple[RobotState, ...]) -> Twist:
+        """Towards the velocity that ORCA asks for; rest at the goal."""
+        ego = ego_of(odometry)
+        way = way_to(goal, ego)
+        if way is None:
+            return command(0.0, 0.0)
+        bearing = way.bearing
+        discs = discs_of(crowd, others, self._own)
+        speed, direction = safe_velocity(ego, bearing, discs, self._walls, self._period, self._avoidance)
+        return command(speed, turn(heading_error(direction, ego.heading), self._max_turn_rate))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def safe_velocity(
+    ego: Ego, bearing: float, discs: Discs, walls: Array, period: Array, avoidance: Avoidance
+) -> tuple[float, float]:
+    """How fast to drive along the heading [m/s], and the direction to turn to [rad].
+
+    Args:
+        ego: pose and speed of the robot.
+        bearing: direction of the goal [rad].
+        discs: people and other robots.
+        walls: (W, 2, 2) both ends of every wall [m].
+        period: (2,) period of each axis, 0 for none [m].
+        avoidance: options and limits.
+    """
+    ahead_x, ahead_y = math.cos(bearing), math.sin(bearing)
+    facing_x, facing_y = math.cos(ego.heading), math.sin(ego.heading)
+    vx, vy = ego.speed * facing_x, ego.speed * facing_y
+    planes = np.empty((len(walls) + avoidance.neighbours, 3))
+    binding = np.zeros(len(planes), np.bool_)
+    hard = _put_wall_planes(ego, walls, avoidance, planes)
+    binding[:hard] = True
+    near, count = nearest_discs(ego, discs, period, avoidance.neighbours, avoidance.range)
+    for k in range(count):
+        i = near[k]
+        x, y = displacement(ego, discs, i, period)
+        aside = ahead_x * y - ahead_y * x
+        if abs(aside) < OFF_AXIS:
+            shift = math.copysign(OFF_AXIS, aside) - aside
+            x, y = x - shift * ahead_y, y + shift * ahead_x
+        wx, wy = discs.velocity[i, 0], discs.velocity[i, 1]
+        contact = avoidance.body + discs.radius[i]
+        ux, uy, nx, ny = escape(x, y, vx - wx, vy - wy, contact, avoidance.horizon, avoidance.dt)
+        binding[hard + k] = math.hypot(wx, wy) < AT_REST
+        share = 1.0 if binding[hard + k] else avoidance.share
+        planes[hard + k] = -nx, -ny, -(nx * (vx + share * ux) + ny * (vy + share * uy))
+    max_speed = avoidance.max_speed
+    x, y = best_velocity(planes[: hard + count], hard, max_speed, max_speed * ahead_x, max_speed * ahead_y)
+    back = min(0.0, x * ahead_x + y * ahead_y)
+    x, y = x - back * ahead_x, y - back * ahead_y
+    if math.hypot(x, y) < STANDING:
+        return 0.0, ego.heading
+    # |V| cos e
+    speed = max(0.0, x * facing_x + y * facing_y)
+    for k in range(hard + count):
+        closing = planes[k, 0] * facing_x + planes[k, 1] * facing_y
+        if binding[k] and closing > 0.0:
+            speed = min(speed, max(0.0, planes[k, 2]) / closing)
+    return speed, math.atan2(y, x)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def displacement(ego: Ego, discs: Discs, i: int, period: Array) -> tuple[float, float]:
+    """From the robot to disc i [m]; people are seen across the seam."""
+    x, y = discs.position[i, 0] - ego.x, discs.position[i, 1] - ego.y
+    if i < discs.people:
+        return nearest_image(x, period[0]), nearest_image(y, period[1])
+    return x, y
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def nearest_discs(ego: Ego, discs: Discs, period: Array, most: int, reach: float) -> tuple[NDArray[np.int64], int]:
+    """(most,) numbers of the nearest discs, near to far, whose centres are within `reach` [m], and how many."""
+    near, squares, count = np.empty(most, np.int64), np.empty(most), 0
+    limit = reach * reach
+    for i in range(len(discs.radius)):
+        x, y = displacement(ego, discs, i, period)
+        square = x * x + y * y
+        if square > limit or most == 0:
+            continue
+        k = min(count, most - 1)
+        while k > 0 and squares[k - 1] > square:
+            near[k], squares[k] = near[k - 1], squares[k - 1]
+            k -= 1
+        near[k], squares[k] = i, square
+        count = min(count + 1, most)
+        if count == most:
+            limit = min(limit, squares[most - 1])
+    return near, count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def escape(
+    x: float, y: float, vx: float, vy: float, contact: float, horizon: float, dt: float
+) -> tuple[float, float, float, float]:
+    """The least change u of the relative velocity that avoids the other within the horizon, and the normal n there.
+
+    Args:
+        x: from the robot to the other [m].
+        y: [m]
+        vx: velocity of the robot relative to the other [m/s].
+        vy: [m/s]
+        contact: sum of the radii [m].
+        horizon: tau [s].
+        dt: within which to part where they already touch [s].
+
+    Returns:
+        u_x, u_y [m/s], n_x, n_y.
+    """
+    square = x * x + y * y
+    apart = square > contact * contact
+    tau = horizon if apart else dt
+    wx, wy = vx - x / tau, vy - y / tau
+    inward = wx * x + wy * y
+    length = math.hypot(wx, wy)
+    if apart and (inward >= 0.0 or inward * inward <= contact * contact * length * length):
+        # Onto the nearer leg of the cone, whose direction is the line of sight turned until it grazes the other.
+        leg = math.sqrt(square - contact * contact)
+        side = 1.0 if x * wy - y * wx > 0.0 else -1.0
+        dx, dy = (x * leg - side * y * contact) / square, (y * leg + side * x * contact) / square
+        nx, ny = -side * dy, side * dx
+        out = -(vx * nx + vy * ny)
+    else:
+        # Onto the circle that cuts the cone off.
+        if length > 0.0:
+            nx, ny = wx / length, wy / length
+        elif square > 0.0:
+            nx, ny = -x / math.sqrt(square), -y / math.sqrt(square)
+        else:
+            nx, ny = -1.0, 0.0
+        out = contact / tau - length
+    return out * nx, out * ny, nx, ny
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _put_wall_planes(ego: Ego, walls: Array, avoidance: Avoidance, planes: Array) -> int:
+    """Write a half-plane for every wall that can be reached within its horizon; how many."""
+    count = 0
+    for i in range(len(walls)):
+        ax, ay = walls[i, 0, 0] - ego.x, walls[i, 0, 1] - ego.y
+        bx, by = walls[i, 1, 0] - ego.x, walls[i, 1, 1] - ego.y
+        x, y = nearest_on_segment(ax, ay, bx, by)
+        distance = math.hypot(x, y)
+        room = max(0.0, distance - avoidance.body) / avoidance.wall_horizon
+        if distance > 0.0 and room < avoidance.max_speed:
+            planes[count] = x / distance, y / distance, room
+            count += 1
+    return count
