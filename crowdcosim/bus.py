@@ -65,10 +65,17 @@ class Mailbox:
 
     def __init__(self, subscriber: Any) -> None:
         self._subscriber = subscriber
+        self._next = subscriber.handler.recv
 
     def receive(self) -> Received:
         """Wait for the next message."""
-        return _received(self._subscriber.recv())
+        return _received(self._next())
+
+    def receive_unnamed(self) -> tuple[bytes, bytes]:
+        """Wait for the next message: payload and attachment, for a subscription to one key."""
+        sample = self._next()
+        attachment = sample.attachment
+        return sample.payload.to_bytes(), attachment.to_bytes() if attachment else b""
 
     def poll(self) -> Received | None:
         """The next message if it is there."""
@@ -83,10 +90,10 @@ class Publisher:
     """Sends on one key; waits rather than drops when the way is jammed."""
 
     def __init__(self, publisher: Any) -> None:
-        self._publisher = publisher
+        self._put = publisher.put
 
-    def send(self, payload: bytes, label: Label | None = None) -> None:
-        self._publisher.put(payload, attachment=label.encode() if label else None)
+    def send(self, payload: bytes, attachment: bytes | None = None) -> None:
+        self._put(payload, attachment=attachment)
 
 
 class Request:

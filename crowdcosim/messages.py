@@ -79,6 +79,16 @@ class Pose(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class PoseStamped(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/PoseStamped`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/PoseStamped"
+
+    header: Header = field(default_factory=Header)
+    pose: Pose = field(default_factory=Pose)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
 class PoseWithCovariance(CoercedMessage):
     """The standard ROS 2 message `geometry_msgs/msg/PoseWithCovariance`."""
 
@@ -145,6 +155,19 @@ class Odometry(Message):
     child_frame_id: str = ""
     pose: PoseWithCovariance = field(default_factory=PoseWithCovariance)
     twist: TwistWithCovariance = field(default_factory=TwistWithCovariance)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Path(CoercedMessage):
+    """The standard ROS 2 message `nav_msgs/msg/Path`."""
+
+    TYPE: ClassVar[str] = "nav_msgs/msg/Path"
+    _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = (
+        SequenceField("poses", "_"),
+    )
+
+    header: Header = field(default_factory=Header)
+    poses: tuple[PoseStamped, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
@@ -436,12 +459,14 @@ MESSAGES: dict[str, type[Message]] = {
     Point.TYPE: Point,
     Quaternion.TYPE: Quaternion,
     Pose.TYPE: Pose,
+    PoseStamped.TYPE: PoseStamped,
     PoseWithCovariance.TYPE: PoseWithCovariance,
     Twist.TYPE: Twist,
     TwistWithCovariance.TYPE: TwistWithCovariance,
     Transform.TYPE: Transform,
     TransformStamped.TYPE: TransformStamped,
     Odometry.TYPE: Odometry,
+    Path.TYPE: Path,
     Clock.TYPE: Clock,
     LaserScan.TYPE: LaserScan,
     TFMessage.TYPE: TFMessage,

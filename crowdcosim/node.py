@@ -60,15 +60,15 @@ class _Inbox:
             MessageError: if the source sent something else than its type.
         """
         while self._held != (episode, tick):
-            received = self._mailbox.receive()
-            label = Label.decode(received.attachment)
+            payload, attachment = self._mailbox.receive_unnamed()
+            label = Label.decode(attachment)
             if label.episode < episode or (label.episode == episode and label.tick < tick):
                 continue
             name = f"{self._source.component}.{self._source.port}"
             if (label.episode, label.tick) != (episode, tick):
                 raise BusError(f"input from {name} is of tick {label.tick}, expected {tick}")
             try:
-                self._message = decode(received.payload, self._type)
+                self._message = decode(payload, self._type)
             except MessageError as error:
                 raise MessageError(f"input from {name} at tick {tick}: {error}") from None
             self._held = (episode, tick)
@@ -110,7 +110,7 @@ class Node:
             request.reply(answer)
         self._report_compilation()
         while True:
-            tick: Tick = decode(ticks.receive().payload, Tick.TYPE)
+            tick: Tick = decode(ticks.receive_unnamed()[0], Tick.TYPE)
             if tick.phase == Tick.STOP:
                 return 0
             if not self._obey(tick):
@@ -185,14 +185,15 @@ class Node:
         return self._inboxes[source.component, source.port].read(self._episode, label)
 
     def _send(self, outputs: dict[str, Message], tick: Tick, label: int, elapsed: int = 0) -> None:
-        attachment = Label(self._episode, label, tick.time + (label - tick.tick) * tick.period, elapsed)
+        time_ns = tick.time + (label - tick.tick) * tick.period
+        attachment = Label(self._episode, label, time_ns, elapsed).encode()
         for port, message in outputs.items():
             self._publishers[port].send(encode(message), attachment)
 
     def _answer_done(self, tick: Tick, begin: int, error: str = "") -> None:
         elapsed = time.perf_counter_ns() - begin
         done = Done(phase=tick.phase, tick=tick.tick, ok=not error, error=error, elapsed=elapsed)
-        self._done.send(encode(done), Label(self._episode, tick.tick, tick.time))
+        self._done.send(encode(done), Label(self._episode, tick.tick, tick.time).encode())
 
     def _report_compilation(self) -> None:
         """Tell the orchestrator of each kernel that numba compiles: it takes seconds, once per machine."""

@@ -132,7 +132,7 @@ def run_episode(
     reference = _reference_run(simulation)
     recorder = _open_log(simulation, log, reference) if log else None
     lockstep = simulation.lockstep
-    lockstep.commit = _committer(recorder, scenario) if recorder else None
+    lockstep.commit = _committer(recorder, simulation) if recorder else None
     referee = _referee(simulation)
     outcome: dict[str, str] = {"reason": "failed"}
     tick = 0
@@ -272,16 +272,20 @@ def _open_log(simulation: Simulation, path: Path, reference: Reference | None) -
     return recorder
 
 
-def _committer(recorder: Recorder, scenario: Scenario) -> Callable[[list[Committed]], None]:
-    robots = frozenset(robot.name for robot in scenario.robots)
-    topics: dict[tuple[str, str], str] = {}
+def _committer(recorder: Recorder, simulation: Simulation) -> Callable[[list[Committed]], None]:
+    lockstep = simulation.lockstep
+    robots = tuple(robot.name for robot in simulation.scenario.robots)
+    topics = {
+        (name, output.name): topic_of(name, output.name)
+        for name, member in simulation.graph.members.items()
+        for output in member.ports.outputs
+    }
 
     def commit(made: list[Committed]) -> None:
-        records = []
-        for component, port, time_ns, payload in made:
-            topic = topics.get((component, port)) or topics.setdefault((component, port), topic_of(component, port))
-            records.append(Record(topic, time_ns, payload))
-        recorder.add(records + frame_records(made, robots))
+        records = [Record(topics[component, port], time_ns, payload) for component, port, time_ns, payload in made]
+        moved = {c.component for c in made if c.port == "state"}
+        states = [lockstep.newest(robot, "state") for robot in robots if robot in moved]
+        recorder.add(records + frame_records(states))
 
     return commit
 

@@ -81,15 +81,16 @@ def merge(base: Node, over: Node) -> Node:
     entries = dict(base.value)
     for key, node in over.value.items():
         below = entries.get(key)
-        if below is None:
+        if node.value is None:
+            entries.pop(key, None)
+        elif below is None:
             entries[key] = node
-        elif node.value is None:
-            del entries[key]
         elif key == "model" and isinstance(below.value, str) and isinstance(node.value, dict):
             # A robot's file by name, then single values of it: `--set robots.robot.model.max_speed=0.5`.
             entries[key] = replace(node, value={"extends": below} | node.value)
         elif _names_another_component(below, node):
-            entries[key] = node  # the options and inputs below belong to the component that was there
+            # The options and inputs below belong to the component that was there.
+            entries[key] = merge(replace(node, value={}), node)
         else:
             entries[key] = merge(below, node)
     return Node(entries, over.place)
@@ -98,8 +99,8 @@ def merge(base: Node, over: Node) -> Node:
 def _names_another_component(below: Node, over: Node) -> bool:
     if not (isinstance(below.value, dict) and isinstance(over.value, dict)):
         return False
-    named = [{k: n.plain() for k, n in node.value.items() if k in ("use", "exec")} for node in (below, over)]
-    return all(named) and named[0] != named[1]
+    before, after = ({k: n.plain() for k, n in v.items() if k in ("use", "exec")} for v in (below.value, over.value))
+    return bool(before and after and before != after)
 
 
 def with_settings(node: Node, settings: Sequence[str]) -> Node:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from crowdcosim.cdr import decode
 from crowdcosim.messages import (
     Clock,
     Header,
@@ -15,8 +14,7 @@ from crowdcosim.messages import (
     TransformStamped,
     Vector3,
 )
-from crowdcosim.setup import time_of
-from orchestrator.lockstep import Committed
+from crowdcosim.setup import nanoseconds_of, time_of
 from orchestrator.recorder import Channel, Record, record
 from orchestrator.scenario import Scenario
 
@@ -33,23 +31,19 @@ def static_records(scenario: Scenario) -> list[Record]:
     return [record("/tf_static", 0, TFMessage(transforms=tuple(transforms)))]
 
 
-def frame_records(made: list[Committed], robots: frozenset[str]) -> list[Record]:
-    """The clock and the robots' frames that belong to what was committed."""
-    states = [c for c in made if c.port == "state" and c.component in robots]
+def frame_records(states: list[RobotState]) -> list[Record]:
+    """The clock and the robots' frames that belong to the states of one tick; nothing without robots."""
     if not states:
         return []
-    time_ns = states[0].time
-    transforms = tuple(_of_robot(state) for state in states)
+    time_ns = nanoseconds_of(states[0].header.stamp)
+    transforms = tuple(
+        _transform("map", f"{s.name}/base_link", time_ns, float(s.position[0]), float(s.position[1]), 0.0, s.heading)
+        for s in states
+    )
     return [
         record("/clock", time_ns, Clock(clock=time_of(time_ns))),
         record("/tf", time_ns, TFMessage(transforms=transforms)),
     ]
-
-
-def _of_robot(committed: Committed) -> TransformStamped:
-    state: RobotState = decode(committed.payload, RobotState.TYPE)
-    x, y = state.position
-    return _transform("map", f"{state.name}/base_link", committed.time, float(x), float(y), 0.0, state.heading)
 
 
 def _transform(parent: str, child: str, time_ns: int, x: float, y: float, z: float, yaw: float) -> TransformStamped:

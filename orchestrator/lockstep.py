@@ -144,6 +144,10 @@ class Lockstep:
         self._require(observers, tick)
         self._commit(tick)
 
+    def newest(self, component: str, port: str) -> Any:
+        """The message of an output that was committed last."""
+        return self._held[component, port].decoded()
+
     def latest(self, component: str, port: str, tick: int) -> Any:
         """The committed message of an output that holds at `tick`; None if there is none."""
         for held in (self._held.get((component, port)), self._before.get((component, port))):
@@ -207,7 +211,7 @@ class Lockstep:
         place = (component, port)
         held = self._incoming[place] = _Held(label, message.TYPE, None, message)
         if publisher := self._publishers.get(place):
-            publisher.send(held.encoded(), label)
+            publisher.send(held.encoded(), label.encode())
 
     def _await_answers(self, phase: int, tick: int) -> None:
         while self._pending:

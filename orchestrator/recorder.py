@@ -6,6 +6,7 @@ import hashlib
 import json
 import queue
 import struct
+import sys
 import threading
 import time
 from collections.abc import Mapping
@@ -24,6 +25,9 @@ CHUNK_SIZE = 256 * 1024
 
 FLUSH_PERIOD = 1.0
 """A killed run leaves at least what was written this long before [s]."""
+
+SWITCH_INTERVAL = 0.0005
+"""The writing thread gives way to the step loop within this time [s]; Python's default is ten times longer."""
 
 BACKLOG = 512
 """Batches that may wait for the disk before the run does."""
@@ -102,6 +106,7 @@ class Recorder:
         self._sequence = dict.fromkeys(self._channels, 0)
         self._hash = DataHash()
         self._queue: queue.Queue[list[Record] | None] = queue.Queue(maxsize=BACKLOG)
+        sys.setswitchinterval(SWITCH_INTERVAL)
         self._failure: BaseException | None = None
         self._flushed = time.monotonic()
         self._thread = threading.Thread(target=self._write_all, daemon=True)

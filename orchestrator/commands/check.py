@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import shlex
 from dataclasses import asdict
 
 from rich.console import Console
 
 from crowdcosim.component import ComponentError, ports_of
 from crowdcosim.loading import load_class
-from orchestrator.conformance import Subject, Verdict, conformance
+from orchestrator.conformance import Verdict, conformance
 from orchestrator.errors import InputError
+from orchestrator.trial import Subject
 
 
 def print_check(component: list[str], config: str, deadline: float, as_json: bool) -> bool:
@@ -36,7 +38,13 @@ def _subject(component: list[str], config: str, deadline: float) -> Subject:
         raise InputError(f"--config is not JSON: {error}") from None
     if not isinstance(options, dict):
         raise InputError(f"--config is {config}, expected a JSON object such as '{{\"speed\": 1}}'")
-    if len(component) == 1 and ":" in component[0]:
+    if ":" in component[0]:
+        if len(component) > 1:
+            after = shlex.join(component[1:])
+            raise InputError(
+                f"found {after} after '{component[0]}', expected options before the component: "
+                f"crowdcosim check {after} {component[0]}"
+            )
         try:
             ports_of(load_class(component[0]))
         except ComponentError as error:
