@@ -66,7 +66,7 @@ class Result:
     simulated_time: float
     """[s]"""
     start_up_time: float
-    """from the call to the first tick [s]"""
+    """from the call to the first tick, be it of the reference run [s]"""
     wall_time: float
     """from the first tick of the episode to its last [s]"""
     real_time_factor: float
@@ -165,7 +165,7 @@ def run_episode(
         arrived=tuple(sorted(referee.arrived)),
         ticks=tick,
         simulated_time=tick * scenario.period * 1e-9,
-        start_up_time=started - began,
+        start_up_time=(lockstep.first_step or began) - began,
         wall_time=wall,
         real_time_factor=tick * scenario.period * 1e-9 / wall,
         ticks_per_second=tick / wall,

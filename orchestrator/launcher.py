@@ -68,6 +68,7 @@ class Launcher:
                 for module in order["modules"]:
                     with contextlib.suppress(Exception):  # the component that needs it reports the failure
                         importlib.import_module(module)
+                _initialise_numba()
             case "fork":
                 self._fork(order)
             case "exec":
@@ -147,6 +148,13 @@ def _become_component(order: dict[str, Any], inherited: tuple[int, ...]) -> None
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(code)
+
+
+def _initialise_numba() -> None:
+    """Run a trivial kernel: numba's first takes a second, and every process forked from here is spared it."""
+    numba = sys.modules.get("numba")
+    if numba is not None:
+        numba.njit("int64(int64)")(lambda number: number + 1)
 
 
 def _die_with_parent() -> None:

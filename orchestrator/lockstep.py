@@ -96,6 +96,8 @@ class Lockstep:
         # Components elsewhere that have still to answer, with the number of outputs that are their answer (0: `done`).
         self._pending: dict[str, int] = {}
         self._episode = 0
+        self.first_step: float | None = None
+        """`time.monotonic()` at the first step of the first episode"""
         self.elapsed: dict[str, list[int]] = {name: [] for name in self._steppers}
         """wall-clock time of each component's own work per step [ns]"""
 
@@ -123,6 +125,7 @@ class Lockstep:
 
     def step(self, tick: int) -> None:
         """Tick `tick`: from the committed state `tick` to the next."""
+        self.first_step = self.first_step or time.monotonic()
         due = tuple(n for n in self._steppers if tick % self._graph.members[n].every == 0)
         self._tell(Tick(phase=Tick.STEP, tick=tick, time=tick * self._period), due)
         for name in due:

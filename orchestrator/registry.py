@@ -22,6 +22,7 @@ SHIPPED: dict[Family, dict[str, str]] = {
     "controller": {
         "baseline": "components.controllers.baseline:Baseline",
         "dwa": "components.controllers.dwa:DWA",
+        "mpc": "components.controllers.mpc:MPC",
         "rvo": "components.controllers.rvo:RVO",
     },
     "evaluator": {"paper": "components.evaluator.paper:PaperEvaluator"},
