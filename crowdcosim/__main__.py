@@ -13,7 +13,7 @@ def _foreign(package: str) -> str | None:
     here = Path(__file__).resolve().parent.parent
     spec = importlib.util.find_spec(package)
     if spec is None or spec.origin is None:
-        return "nowhere" if spec is None else str(list(spec.submodule_search_locations or ["an unknown place"])[0])
+        return "nowhere" if spec is None else str(next(iter(spec.submodule_search_locations or ["an unknown place"])))
     found = Path(spec.origin).resolve().parent.parent
     return None if found == here else str(spec.origin)
 

@@ -1,4 +1,4 @@
-"""Zenoh as crowdcosim uses it: one session, publishers that never drop, mailboxes without callbacks, queries, liveliness.
+"""Zenoh as crowdcosim uses it: publishers that never drop, mailboxes without callbacks, questions, presence.
 
 The orchestrator's session is the router and listens; every component's session is a client of it. Multicast
 scouting is off, so that runs on one machine never hear each other.
@@ -48,7 +48,9 @@ class Label(NamedTuple):
     def decode(cls, data: bytes) -> Label:
         """Raise `BusError` unless the attachment is one."""
         if len(data) != _ATTACHMENT.size:
-            raise BusError(f"attachment of {len(data)} bytes, expected {_ATTACHMENT.size}: episode, tick, time, elapsed")
+            raise BusError(
+                f"attachment of {len(data)} bytes, expected {_ATTACHMENT.size}: episode, tick, time, elapsed"
+            )
         return cls(*_ATTACHMENT.unpack(data))
 
 

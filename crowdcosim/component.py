@@ -1,4 +1,4 @@
-"""The contract of a component: a typed config, `reset(setup)` and `step(...)`, whose signature's types are its ports."""
+"""The contract of a component: a typed config, `reset(setup)`, and `step(...)` whose types are its ports."""
 
 from __future__ import annotations
 

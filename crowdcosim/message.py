@@ -1,4 +1,4 @@
-"""What every message has in common: arrays of the declared type and shape, read-only, and a check that they are finite."""
+"""What all messages have in common: arrays of the declared type and shape, and a check that they are finite."""
 
 from __future__ import annotations
 

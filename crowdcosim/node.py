@@ -1,4 +1,4 @@
-"""Hosts one Python component as a process on Zenoh: `python -m crowdcosim.node USE --endpoint E --run R --component C`."""
+"""Hosts one Python component as a process on Zenoh: `python -m crowdcosim.node --help`."""
 
 from __future__ import annotations
 
@@ -134,9 +134,7 @@ class Node:
         assert self._class is not None, "configure before hello"
         wiring: Wiring = TypeAdapter(dict[str, tuple[Source, ...]]).validate_python(body["inputs"])
         setup = TypeAdapter(Setup).validate_python(body["setup"])
-        self._host = ComponentHost(
-            make(self._class, body["config"]), every=body["every"], wiring=wiring, setup=setup
-        )
+        self._host = ComponentHost(make(self._class, body["config"]), every=body["every"], wiring=wiring, setup=setup)
         types = {port.name: port.type.TYPE for port in self._host.ports.inputs}
         for port, sources in wiring.items():
             for source in sources:

@@ -71,15 +71,17 @@ def run(
     scenario: Scenario = "corridor",
     settings: Settings = None,
     seed: Annotated[int | None, typer.Option(help="Replace the scenario's seed.")] = None,
-    host: Annotated[
-        str | None, typer.Option(help="Where all Python components live: `process` or `inline`.")
+    host: Annotated[str | None, typer.Option(help="Where all Python components live: `process` or `inline`.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for log and report; by default a new one in `runs/`.")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for log and report; by default a new one in `runs/`.")] = None,
     realtime: Annotated[
-        float | None, typer.Option(metavar="FACTOR", help="Pace: simulated seconds per second. Default: as fast as it can.")
+        float | None,
+        typer.Option(metavar="FACTOR", help="Pace: simulated seconds per second. Default: as fast as it can."),
     ] = None,
     listen: Annotated[
-        str | None, typer.Option(metavar="ENDPOINT", help="Where `external` components attach, such as tcp/127.0.0.1:7450.")
+        str | None,
+        typer.Option(metavar="ENDPOINT", help="Where `external` components attach, such as tcp/127.0.0.1:7450."),
     ] = None,
     record: Annotated[bool, typer.Option(help="Write a log and a report.")] = True,
     as_json: Json = False,

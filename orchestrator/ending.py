@@ -21,9 +21,7 @@ class Referee:
         self._last_tick = last_tick
         self.arrived: set[str] = set()
 
-    def reason(
-        self, tick: int, states: Mapping[str, RobotState], contacts: Mapping[str, Contacts]
-    ) -> Reason | None:
+    def reason(self, tick: int, states: Mapping[str, RobotState], contacts: Mapping[str, Contacts]) -> Reason | None:
         """Why the episode ends at the state `tick`; None if it goes on. `contacts` are needed to end at a collision."""
         self.arrived |= {r for r, state in states.items() if reached(self._goals[r], state.position)}
         enough = {"all": len(states) or 1, "any": 1, "none": len(states) + 1}[self._ending.goal]

@@ -26,8 +26,12 @@ FRAME_CHANNELS = (
 
 
 def static_records(scenario: Scenario) -> list[Record]:
-    """Frames that do not move: `odom` is aligned with `map`, and each sensor sits where its `mount` says."""
+    """Frames that do not move: `odom` is aligned with `map`, and a sensor sits at its `position` and `yaw`."""
     transforms = [_transform("map", "odom", 0, 0.0, 0.0, 0.0, 0.0)]
+    for spec in scenario.components:
+        if spec.robot and {"position", "yaw"} <= spec.config.keys():
+            x, y, z = spec.config["position"]
+            transforms.append(_transform(f"{spec.robot}/base_link", spec.name, 0, x, y, z, spec.config["yaw"]))
     return [record("/tf_static", 0, TFMessage(transforms=tuple(transforms)))]
 
 

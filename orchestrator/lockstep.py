@@ -80,13 +80,14 @@ class Lockstep:
         self._constants = constants
         self._inline = inline
         self._remote = remote
-        self._trusted = trusted
         self.commit: Callable[[list[Committed]], None] | None = None
         """takes what each tick has made, for the log"""
         self._steppers = tuple(n for n in graph.order if graph.members[n].every != FOREVER)
         self._remote_names = frozenset(remote.components if remote else ())
         self._types = {(n, o.name): o.type.TYPE for n, m in graph.members.items() for o in m.ports.outputs}
         self._order = {place: i for i, place in enumerate(self._types)}
+        self._slow_movers = [p for p in self._types if self._is_slow_mover(p[0])]
+        self._unchecked = [p for p in self._types if p[0] in self._remote_names and p[0] not in trusted]
         self._publishers = self._publishers_of_inline_outputs()
         # What is committed, and what this tick makes: readers of a state must not see the next one.
         # A mover that steps every n ticks is seen as it was until its step is over, so the one before is kept too.
@@ -254,7 +255,9 @@ class Lockstep:
         if not done.ok:
             self._blame_sender_first(tick, RunError(component, when, done.error))
         if (done.phase, done.tick) != (phase, tick):
-            raise RunError(component, when, f"answered phase {done.phase} of tick {done.tick}, expected {phase} of {tick}")
+            raise RunError(
+                component, when, f"answered phase {done.phase} of tick {done.tick}, expected {phase} of {tick}"
+            )
         if self._pending.get(component) != 0:
             raise RunError(component, when, "sent `done` without being asked: after a step its outputs are its answer")
         self._answered(component, done.elapsed if phase == Tick.STEP else None)
@@ -279,9 +282,9 @@ class Lockstep:
 
     def _verify(self, place: tuple[str, str], tick: int | None) -> None:
         """Messages that were not made by our own host are checked before they are believed."""
-        component, port = place
-        if component in self._trusted or component not in self._remote_names:
+        if place not in self._unchecked:
             return
+        component, port = place
         try:
             check_finite(self._incoming[place].decoded())
         except MessageError as error:
@@ -290,9 +293,12 @@ class Lockstep:
     def _commit(self, tick: int | None) -> None:
         """Hand all that was made to the log in the scenario's order; from now on it is what readers see."""
         made = sorted(self._incoming.items(), key=lambda item: self._order[item[0]])
-        for place, _ in made:
-            self._verify(place, tick)
-        self._before |= {place: self._held[place] for place in self._incoming if place in self._held}
+        for place in self._unchecked:
+            if place in self._incoming:
+                self._verify(place, tick)
+        for place in self._slow_movers:
+            if place in self._incoming and place in self._held:
+                self._before[place] = self._held[place]
         self._held |= self._incoming
         self._incoming = {}
         if self.commit:
@@ -304,6 +310,10 @@ class Lockstep:
             for output in self._graph.members[component].ports.outputs:
                 if (component, output.name) not in self._incoming:
                     raise RunError(component, tick, f"answered without having published output '{output.name}'")
+
+    def _is_slow_mover(self, component: str) -> bool:
+        member = self._graph.members[component]
+        return member.ports.kind == "mover" and member.every > 1
 
     def _having(self, kind: str) -> tuple[str, ...]:
         return tuple(n for n in self._steppers if self._graph.members[n].ports.kind == kind)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -113,10 +114,8 @@ class Processes:
 
     def _order(self, order: dict[str, Any]) -> None:
         assert self._launcher.stdin is not None
-        try:
+        with contextlib.suppress(BrokenPipeError):  # the events' end of file tells the same
             self._launcher.stdin.write(json.dumps(order).encode() + b"\n")
-        except BrokenPipeError:
-            pass  # the events' end of file tells the same
 
 
 def tail(log: Path, lines: int = 5) -> str:

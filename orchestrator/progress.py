@@ -50,7 +50,9 @@ class RunProgress:
         self._task = self._progress.add_task(self._name, total=self._total, start=False)
         return Watcher(status=self._status, ticked=self._ticked)
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._progress.stop()
 
     def _status(self, text: str) -> None:

@@ -129,7 +129,9 @@ class Recorder:
         data_hash = self._hash.text()
         try:
             for name, values in metadata.items():
-                self._writer.add_metadata(name, {**values, "data_hash": data_hash} if name == "outcome" else dict(values))
+                self._writer.add_metadata(
+                    name, {**values, "data_hash": data_hash} if name == "outcome" else dict(values)
+                )
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._file.close()
         except OSError as error:

@@ -157,9 +157,7 @@ class Remote:
 
     def publisher(self, component: str, port: str) -> Publisher:
         """Declare an output of a component that lives inline and is read by one that does not."""
-        return self._publishers.setdefault(
-            (component, port), self._bus.publisher(f"{self._run}/{component}/{port}")
-        )
+        return self._publishers.setdefault((component, port), self._bus.publisher(f"{self._run}/{component}/{port}"))
 
     def tell(self, tick: Tick, waiting: tuple[str, ...]) -> None:
         """Send the tick to all; `waiting` are those who will answer, the first to blame for silence first."""

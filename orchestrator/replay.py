@@ -10,9 +10,9 @@ from crowdcosim.host import ComponentHost, Source
 from crowdcosim.loading import load_class
 from crowdcosim.message import Message
 from crowdcosim.messages import Metrics
+from orchestrator.component_specs import ComponentSpec
 from orchestrator.errors import InputError
 from orchestrator.log import Log
-from orchestrator.component_specs import ComponentSpec
 from orchestrator.scenario import Scenario, from_resolved
 from orchestrator.simulation import setup_of
 

@@ -17,12 +17,12 @@ from crowdcosim.loading import load_class
 from crowdcosim.messages import Goal, Header
 from crowdcosim.robots import Robot
 from crowdcosim.setup import Setup
+from orchestrator.component_specs import ComponentSpec
 from orchestrator.errors import InputError, RunError, WiringError
 from orchestrator.lockstep import Lockstep
 from orchestrator.problems import ScenarioError
 from orchestrator.processes import Processes
 from orchestrator.remote import Remote
-from orchestrator.component_specs import ComponentSpec
 from orchestrator.scenario import Scenario
 from orchestrator.wiring import Graph, Member, connect
 
@@ -124,7 +124,9 @@ class Simulation:
                 self._processes.fork(spec.name, spec.use, log=log, **address)
             elif spec.host == "exec":
                 variables = {f"CROWDCOSIM_{k.upper()}": v for k, v in (address | {"component": spec.name}).items()}
-                self._processes.execute(spec.name, spec.exec, folder=spec.cwd or Path.cwd(), environment=variables, log=log)
+                self._processes.execute(
+                    spec.name, spec.exec, folder=spec.cwd or Path.cwd(), environment=variables, log=log
+                )
             else:
                 status(
                     f"waiting for {spec.name} to attach: "
@@ -208,5 +210,3 @@ def setup_of(scenario: Scenario, component: str, robot: str | None, every: int) 
 def component_seed(seed: int, component: str) -> int:
     """A component's own seed: the first 8 bytes, little-endian, of SHA-256 of `seed/component`."""
     return int.from_bytes(hashlib.sha256(f"{seed}/{component}".encode()).digest()[:8], "little")
-
-

@@ -143,8 +143,8 @@ def _scan(header: Header, time: float) -> LaserScan:
 
 
 def _beam_agents(header: Header, time: float) -> BeamAgents:
-    kind = np.full(180, BeamAgents.PERSON, np.uint8)
-    return BeamAgents(header=header, kind=kind, agent=1 + np.arange(180, dtype=np.uint32) % 12)
+    kind, part = np.full(180, BeamAgents.PERSON, np.uint8), np.full(180, BeamAgents.LOWER_LEGS, np.uint8)
+    return BeamAgents(header=header, kind=kind, agent=1 + np.arange(180, dtype=np.uint32) % 12, body_part=part)
 
 
 def _contacts(header: Header, time: float) -> Contacts:

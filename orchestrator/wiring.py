@@ -73,7 +73,7 @@ def connect(members: tuple[Member, ...]) -> Graph:
 
 def _sources(member: Member, port: Input, members: Mapping[str, Member]) -> tuple[Source, ...]:
     if port.name in member.inputs:
-        return (_explicit(member, port, member.inputs[port.name], members),)
+        return (_explicit(port, member.inputs[port.name], members),)
     others = [m for m in members.values() if m.name != member.name]
     if port.many:
         # A sensor of a robot asks for the others: its own robot's body is none of them.
@@ -112,7 +112,7 @@ def _source(member: Member, port: str) -> Source:
     return Source(component=member.name, port=port, every=member.every, mover=member.ports.kind == "mover")
 
 
-def _explicit(member: Member, port: Input, reference: Reference, members: Mapping[str, Member]) -> Source:
+def _explicit(port: Input, reference: Reference, members: Mapping[str, Member]) -> Source:
     where = f"input '{port.name}' from '{reference}'"
     if reference.component not in members:
         raise ValueError(f"{where}: there is no component '{reference.component}'; there are {', '.join(members)}")
@@ -144,7 +144,12 @@ def _order(members: Mapping[str, Member], sources: Mapping[str, Mapping[str, tup
     except CycleError as error:
         loop = " <- ".join(error.args[1])
         raise WiringError(
-            [(error.args[1][0], f"is part of a loop within one tick: {loop}; let one of them be a Mover, or reconnect it")]
+            [
+                (
+                    error.args[1][0],
+                    f"is part of a loop within one tick: {loop}; let one of them be a Mover, or reconnect it",
+                )
+            ]
         ) from None
     stage = {"reactor": 0, "mover": 1, "observer": 2}
     rank = {name: i for i, name in enumerate(order)}

@@ -41,7 +41,9 @@ def print_summary(path: Path, as_json: bool) -> None:
     console = Console(highlight=False)
     run = log.metadata.get("run", {})
     console.print(f"[bold]{run.get('scenario', path.name)}[/] seed {run.get('seed', '?')}, {duration:.1f} s simulated")
-    console.print(f"outcome {outcome.get('reason', 'unknown')}" + (f": {outcome['error']}" if "error" in outcome else ""))
+    console.print(
+        f"outcome {outcome.get('reason', 'unknown')}" + (f": {outcome['error']}" if "error" in outcome else "")
+    )
     console.print(_topics_table(topics))
     if metrics:
         console.print(metrics_table(metrics))

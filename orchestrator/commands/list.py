@@ -22,5 +22,7 @@ def print_list(as_json: bool) -> None:
         table.add_column(name)
     for group, entries in groups.items():
         for i, entry in enumerate(entries):
-            table.add_row(f"[bold]{group}[/]" if i == 0 else "", entry.name, entry.description, end_section=i == len(entries) - 1)
+            table.add_row(
+                f"[bold]{group}[/]" if i == 0 else "", entry.name, entry.description, end_section=i == len(entries) - 1
+            )
     Console(highlight=False).print(table)

@@ -52,7 +52,10 @@ def log_of(crowdcosim, folder="out"):
         ("robots: {robot: {controller: {use: ./gone.py:Mine}}}", ["small.yaml:3", "gone.py"]),
         (f"robots: {{robot: {{controller: {{use: '{HERE}/faulty.py:NotAComponent'}}}}}}", ["small.yaml:3", "subclass"]),
         ("robots: {robot: {controller: {exec: [no-such-program]}}}", ["small.yaml:3", "no-such-program"]),
-        ("robots: {robot: {sensors: {odometry: null}, controller: {use: dwa}}}", ["small.yaml:3", "robots.robot.controller", "input 'odometry' is not connected"]),
+        (
+            "robots: {robot: {sensors: {odometry: null}, controller: {use: dwa}}}",
+            ["small.yaml:3", "robots.robot.controller", "input 'odometry' is not connected"],
+        ),
         ("dt: 0", ["small.yaml:3", "dt", "0"]),
         ("seed: 1\nseed: 2", ["small.yaml:4", "seed"]),
     ],

@@ -31,7 +31,9 @@ def test_the_same_scenario_and_seed_give_the_same_bytes_wherever_components_live
         run(crowdcosim, path, out="processes"),
         run(crowdcosim, path, out="again"),
         run(crowdcosim, path, "--host", "inline", out="inline"),
-        run(crowdcosim, path, "--set", "crowd.host=inline", "--set", "robots.robot.controller.host=inline", out="mixed"),
+        run(
+            crowdcosim, path, "--set", "crowd.host=inline", "--set", "robots.robot.controller.host=inline", out="mixed"
+        ),
         run(crowdcosim, path, "--host", "inline", "--set", "robots.robot.drive.host=process", out="other"),
     ]
     assert len({result["data_hash"] for result in results}) == 1
@@ -94,6 +96,13 @@ def test_a_log_is_opened_by_mcaps_and_rosbags_own_readers(crowdcosim, scenario) 
         scan = reader.deserialize(data, scans[0].msgtype)
         assert stamp == 0
         assert len(scan.ranges) == 720
+        frames = [c for c in reader.connections if c.topic == "/tf_static"]
+        _, _, data = next(reader.messages(frames))
+        transforms = reader.deserialize(data, frames[0].msgtype).transforms
+        assert [(t.header.frame_id, t.child_frame_id) for t in transforms] == [
+            ("map", "odom"),
+            ("robot/base_link", scan.header.frame_id),
+        ]
         crowds = [c for c in reader.connections if c.topic == "/crowd"]
         _, _, data = next(reader.messages(crowds))
         crowd = reader.deserialize(data, crowds[0].msgtype)
@@ -114,7 +123,9 @@ def test_baseline_drives_straight_until_it_is_there(crowdcosim, scenario) -> Non
 def test_two_robots_drive_see_each_other_and_are_judged_each(crowdcosim) -> None:
     arguments = ["--set", "crowd.config.count=5", "--set", "end.time_limit=5"]
     result = run(crowdcosim, "two_robots", *arguments, out="processes")
-    assert run(crowdcosim, "two_robots", *arguments, "--host", "inline", out="inline")["data_hash"] == result["data_hash"]
+    assert (
+        run(crowdcosim, "two_robots", *arguments, "--host", "inline", out="inline")["data_hash"] == result["data_hash"]
+    )
     assert {m["robot"] for m in result["metrics"]} == {"left", "right"}
     wiring = crowdcosim("validate", "two_robots", "--json").json["wiring"]
     assert wiring["left/lidar"]["others"] == ["right.state"]
@@ -122,7 +133,9 @@ def test_two_robots_drive_see_each_other_and_are_judged_each(crowdcosim) -> None
 
 
 def test_an_episode_ends_at_the_first_collision_if_asked_to(crowdcosim, scenario) -> None:
-    ahead = "crowd: {config: {count: null, positions: [[7.0, 5.0]], flow: 1d-, reactive: false}}\nend: {collision: true}"
+    ahead = (
+        "crowd: {config: {count: null, positions: [[7.0, 5.0]], flow: 1d-, reactive: false}}\nend: {collision: true}"
+    )
     result = run(crowdcosim, scenario(ahead), "--host", "inline")
     assert result["outcome"] == "collision"
     # They meet in the middle: 2 m less both radii, closing at 1 + at most 1.8 m/s.
@@ -152,8 +165,10 @@ def test_a_component_attaches_from_outside(crowdcosim, scenario) -> None:
     path = scenario("robots: {robot: {controller: {use: baseline, host: external}}}")
     with crowdcosim.start("run", path, "--out", "out", "--json", "--listen", endpoint) as process:
         node = subprocess.run(
-            [sys.executable, "-m", "crowdcosim.node", "components.controllers.baseline:Baseline"]
-            + ["--endpoint", endpoint, "--run", "small", "--component", "robot/controller"],
+            [
+                *(sys.executable, "-m", "crowdcosim.node", "components.controllers.baseline:Baseline"),
+                *("--endpoint", endpoint, "--run", "small", "--component", "robot/controller"),
+            ],
             env=crowdcosim.environment,
             cwd=crowdcosim.folder,
             timeout=60,

@@ -1,4 +1,4 @@
-"""The lockstep with inline components: who sees which tick. One tiny topology per test, its diagram in the docstring."""
+"""The lockstep with inline components: who sees which tick. One tiny topology per test."""
 
 import pytest
 
@@ -63,9 +63,7 @@ def assemble(**components) -> tuple[Graph, dict[str, ComponentHost], Lockstep, l
         )
         for name, (c, every) in components.items()
     }
-    lockstep = Lockstep(
-        graph, period=PERIOD, constants={}, inline=hosts, remote=None, trusted=frozenset(hosts)
-    )
+    lockstep = Lockstep(graph, period=PERIOD, constants={}, inline=hosts, remote=None, trusted=frozenset(hosts))
     log: list[list[Committed]] = []
     lockstep.commit = log.append
     return graph, hosts, lockstep, log

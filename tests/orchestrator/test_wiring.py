@@ -1,4 +1,4 @@
-"""One tiny topology per test; the diagram is the docstring. `A -> B` is an edge within a tick, `A => B` into the next."""
+"""One tiny topology per test, in its docstring: `A -> B` is an edge within a tick, `A => B` into the next."""
 
 import pytest
 

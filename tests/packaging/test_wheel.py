@@ -14,7 +14,9 @@ import pytest
 ROOT = Path(__file__).parent.parent.parent
 
 
-def python(executable: Path | str, *arguments: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+def python(
+    executable: Path | str, *arguments: str, folder: Path, **environment: str
+) -> subprocess.CompletedProcess[str]:
     clean = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "PYTHONHOME")}
     return subprocess.run(
         [str(executable), *arguments],
@@ -39,7 +41,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     site = next((environment / "lib").glob("python*")) / "site-packages"
     unpacked = python(sys.executable, "-m", "zipfile", "-e", str(wheel), str(site), folder=folder)
     assert unpacked.returncode == 0, unpacked.stderr
-    # The dependencies are those of the running environment: a plain path line does not take its editable installs along.
+    # The dependencies are those of the running environment; a plain path line leaves its editable installs behind.
     (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
     return environment / "bin" / "python"
 
