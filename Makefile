@@ -18,8 +18,7 @@ lint: .venv/dev.stamp           ## style, types, and who imports whom
 	$(BIN)/lint-imports
 
 bench: .venv/dev.stamp          ## speed, as ratios in one run
-	$(BIN)/python benchmarks/lockstep.py
-	$(BIN)/python benchmarks/components.py
+	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
 
 clean:
 	rm -rf .venv build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
