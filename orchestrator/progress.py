@@ -43,10 +43,10 @@ class RunProgress:
         self._total = time_limit
         self._console = console
         self._shown = 0.0
+        self._told: set[str] = set()
 
     def __enter__(self) -> Watcher:
         self._progress.start()
-        self._starting = self._progress.add_task(f"{self._name}: starting", total=None, visible=False)
         self._task = self._progress.add_task(self._name, total=self._total, start=False)
         return Watcher(status=self._status, ticked=self._ticked)
 
@@ -56,12 +56,19 @@ class RunProgress:
         self._progress.stop()
 
     def _status(self, text: str) -> None:
-        self._console.print(f"  [dim]{text}[/dim]", highlight=False)
+        component, compiling, kernel = text.partition(": compiling ")
+        if compiling:
+            text = f"{component}: compiling its kernels, once on this machine"
+            self._progress.update(self._task, description=f"{self._name}: compiling {kernel}")
+        if text not in self._told:
+            self._told.add(text)
+            self._console.print(f"  {text}", style="dim", markup=False, highlight=False)
 
     def _ticked(self, time_ns: int) -> None:
         now = time.monotonic()
         if now - self._shown > REDRAW:
             if not self._shown:
                 self._progress.start_task(self._task)
+                self._progress.update(self._task, description=self._name)
             self._shown = now
             self._progress.update(self._task, completed=time_ns * 1e-9)

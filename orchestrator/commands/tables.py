@@ -15,7 +15,7 @@ def metrics_table(metrics: Sequence[Metric]) -> Table:
     """One row per metric, one column per robot."""
     robots = list(dict.fromkeys(m.robot for m in metrics))
     known = {m.name: m for m in METRICS}
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, caption=_reasons(metrics), caption_justify="left")
     table.add_column("metric")
     table.add_column("")
     for robot in robots:
@@ -40,4 +40,10 @@ def metrics_table(metrics: Sequence[Metric]) -> Table:
 def _cell(metric: Metric | None) -> str:
     if metric is None:
         return ""
-    return f"[dim]{metric.reason}[/]" if metric.value is None else f"{metric.value:.3f}"
+    return "–" if metric.value is None else f"{metric.value:.3f}"
+
+
+def _reasons(metrics: Sequence[Metric]) -> str:
+    """Why some metrics have no value, one line per reason."""
+    reasons = dict.fromkeys(m.reason for m in metrics if m.value is None)
+    return "\n".join(f"– {reason}" for reason in reasons)
