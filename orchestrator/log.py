@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from mcap.exceptions import McapError
-from mcap.records import Attachment, Channel, DataEnd, Message, Metadata, Schema
+from mcap.records import Attachment, Channel, Footer, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader
 
 from crowdcosim.cdr import decode
@@ -121,7 +122,7 @@ def read_log(path: Path) -> Log:
                 _take(log, item, channels, schemas)
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}") from None
-    except (McapError, EOFError, ValueError, RuntimeError) as error:
+    except (McapError, EOFError, ValueError, RuntimeError, struct.error) as error:
         if not channels:
             raise InputError(f"{path} is not an MCAP log: {error or type(error).__name__}") from None
     return log
@@ -141,5 +142,5 @@ def _take(log: Log, item: Any, channels: dict[int, Channel], schemas: dict[int, 
             log.attachments[item.name] = item.data
         case Metadata():
             log.metadata[item.name] = item.metadata
-        case DataEnd():
+        case Footer():
             log.complete = True

@@ -21,20 +21,15 @@ FAULTS = {
     "dies_before_hello": "exits with code 4 before it announces itself",
     "wrong_hash": "its Twist has another definition",
     "wrong_protocol": "speaks another version of the protocol",
-    "no_hello": "never answers a request",
     "takes_any_config": "accepts options that it does not have",
     # ticks
     "wrong_tick": "labels its output with the tick after",
-    "wrong_time": "labels its output with the time of the tick after",
-    "twice": "publishes its output twice",
     "nan": "commands NaN",
     "malformed": "sends bytes that are no Twist",
     "hang": "says nothing any more",
     "die": "exits with code 9",
-    "refuses": "answers the step with an error",
     "any_input": "steps on whatever input comes first",
     # repetition
-    "random": "commands what no seed determines",
     "clock": "commands what the clock says",
     "process": "commands what differs from process to process",
     "ignores_reset": "goes on where the last episode ended",
@@ -90,8 +85,6 @@ class RawComponent:
         """Answer the next request; its name."""
         with self.requests.recv() as query:
             request, body = str(query.parameters), json.loads(query.payload.to_bytes())
-            if self.fault == "no_hello":
-                time.sleep(3600)
             query.reply(query.key_expr, json.dumps(getattr(self, f"on_{request}")(body)))
         return request
 
@@ -144,20 +137,16 @@ class RawComponent:
             case "die":
                 print("the battery is empty", file=sys.stderr, flush=True)
                 os._exit(9)
-            case "refuses":
-                self.say_done(STEP, tick, "I do not want to")
-                sys.exit(1)
         forward = {
             "nan": float("nan"),
-            "random": random.random(),
             "clock": time.time(),
             "process": ME,
             "ignores_reset": self.steps * 0.001,
         }.get(fault or "", 0.0)
         payload = b"\0\1\0\0" + struct.pack("<6d", forward, 0, 0, 0, 0, 0)
-        label = (episode, tick + (fault == "wrong_tick"), now + period * (fault in ("wrong_tick", "wrong_time")), 1000)
-        for _ in range(2 if fault == "twice" else 1):
-            self.twist.put(b"no Twist" if fault == "malformed" else payload, attachment=LABEL.pack(*label))
+        ahead = 1 if fault == "wrong_tick" else 0
+        label = LABEL.pack(episode, tick + ahead, now + ahead * period, 1000)
+        self.twist.put(b"no Twist" if fault == "malformed" else payload, attachment=label)
 
     def wait_for_odometry(self, episode: int, wanted: int) -> str:
         """What is wrong with it, if anything is."""

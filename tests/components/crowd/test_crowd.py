@@ -244,7 +244,7 @@ def test_no_room_is_an_error():
         ({"count": 3, "preferred_speed_limits": [1.8, 0.8]}, "ascending order"),
         ({"count": 3, "preferred_speed": 2.0}, "preferred_speed is 2.0"),
         ({"count": 3, "preferred_speed_deviation": -1}, "preferred_speed_deviation is -1.0"),
-        ({"count": 3, "policy": "rvo"}, "policy"),
+        ({"count": 3, "policy": "orka"}, "policy"),
         ({"count": 3, "flow": "3d"}, "flow"),
         ({"count": 3, "speed": 1.0}, "speed"),
     ],

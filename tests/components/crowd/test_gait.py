@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from components.crowd.gait import AT_REST, LONGEST_CYCLE, phase_rate, walk
+from components.crowd.gait import walk
+from crowdcosim.gait import AT_REST, LONGEST_CYCLE, phase_rate
 
 
 def step(velocity, heading, pace, phase, dt=0.1):

@@ -12,7 +12,17 @@ NO_ROBOTS = np.empty((0, 5))
 NO_WALLS = np.empty((0, 2, 2))
 
 
-def scene(position, velocity, *, robots=NO_ROBOTS, walls=NO_WALLS, period=(0.0, 0.0), max_speed=1.8, dt=0.1):
+def scene(
+    position,
+    velocity,
+    *,
+    robots=NO_ROBOTS,
+    walls=NO_WALLS,
+    period=(0.0, 0.0),
+    max_speed=1.8,
+    max_acceleration=5.0,
+    dt=0.1,
+):
     return Scene(
         position=np.asarray(position, np.float64),
         velocity=np.asarray(velocity, np.float64),
@@ -22,6 +32,8 @@ def scene(position, velocity, *, robots=NO_ROBOTS, walls=NO_WALLS, period=(0.0, 
         walls=np.asarray(walls, np.float64).reshape(-1, 2, 2),
         period=np.asarray(period, np.float64),
         max_speed=max_speed,
+        max_acceleration=max_acceleration,
+        stream=np.zeros(len(position), np.uint64),
         dt=dt,
     )
 
@@ -32,10 +44,10 @@ def push(position, *, robots=NO_ROBOTS, walls=NO_WALLS, period=(0.0, 0.0), dt=0.
 
 
 def test_acceleration_and_speed_are_limited_in_that_order():
-    position, velocity = move(scene([(0, 0)], [(1.5, 0)]), np.array([[30.0, 0.0]]), 2.0)
+    position, velocity = move(scene([(0, 0)], [(1.5, 0)], max_acceleration=2.0), np.array([[30.0, 0.0]]))
     assert velocity == pytest.approx(np.array([(1.7, 0.0)]))
     assert position == pytest.approx(np.array([(0.17, 0.0)]))
-    _, velocity = move(scene([(0, 0)], [(1.5, 0)]), np.array([[30.0, 0.0]]), 5.0)
+    _, velocity = move(scene([(0, 0)], [(1.5, 0)]), np.array([[30.0, 0.0]]))
     assert velocity == pytest.approx(np.array([(1.8, 0.0)]))
 
 
@@ -81,7 +93,7 @@ def test_a_squeezed_jam_does_not_explode(dt):
     position = (lattice + np.random.default_rng(0).normal(0, 1e-4, lattice.shape)) % size
     velocity = np.zeros_like(position)
     for _ in range(200):
-        position, velocity = move(scene(position, velocity, period=size, dt=dt), np.zeros_like(position), 5.0)
+        position, velocity = move(scene(position, velocity, period=size, dt=dt), np.zeros_like(position))
     # The disturbance of 1e-4 m vibrates with omega <= sqrt(6 k / m): speeds stay of the order of their product.
     stiffness = min(STIFFNESS, STABLE / dt**2)
     assert np.abs(velocity).max() < 10 * 1e-4 * np.sqrt(6 * stiffness)
@@ -95,7 +107,7 @@ def test_nobody_passes_a_wall_however_hard_pushed(seed):
     position, velocity = 0.05 + rng.random((60, 2)) * 3.9, rng.normal(0, 5, (60, 2))
     for _ in range(20):
         position, velocity = move(
-            scene(position, velocity, walls=walls, max_speed=20.0), rng.normal(0, 50, (60, 2)), 50.0
+            scene(position, velocity, walls=walls, max_speed=20.0, max_acceleration=50.0), rng.normal(0, 50, (60, 2))
         )
         assert (position > 0).all()
         assert (position < 4).all()
@@ -103,22 +115,22 @@ def test_nobody_passes_a_wall_however_hard_pushed(seed):
 
 def test_whoever_runs_into_a_wall_slides_along_it():
     walls = np.array([[(-5.0, 0.0), (5.0, 0.0)]])
-    position, velocity = move(scene([(0, 0.05)], [(1.0, -5.0)], walls=walls, max_speed=9.0), np.zeros((1, 2)), 5.0)
+    position, velocity = move(scene([(0, 0.05)], [(1.0, -5.0)], walls=walls, max_speed=9.0), np.zeros((1, 2)))
     assert velocity == pytest.approx(np.array([(1.0, 0.0)]))
     assert position == pytest.approx(np.array([(0.1, 0.05)]))
 
 
 def test_whoever_leaves_comes_in_at_the_opposite_side():
-    position, _ = move(scene([(9.95, 0.05)], [(1, -1)], period=(10, 10)), np.zeros((1, 2)), 5.0)
+    position, _ = move(scene([(9.95, 0.05)], [(1, -1)], period=(10, 10)), np.zeros((1, 2)))
     assert position == pytest.approx(np.array([(0.05, 9.95)]))
 
 
 def test_a_tiny_step_below_zero_stays_below_the_period():
-    position, _ = move(scene([(0.0, 5.0)], [(-1e-18, 0)], period=(10, 10)), np.zeros((1, 2)), 5.0)
+    position, _ = move(scene([(0.0, 5.0)], [(-1e-18, 0)], period=(10, 10)), np.zeros((1, 2)))
     assert (position >= 0).all()
     assert (position < 10).all()
 
 
 def test_without_a_period_people_leave():
-    position, _ = move(scene([(9.95, 5.0)], [(1, 0)]), np.zeros((1, 2)), 5.0)
+    position, _ = move(scene([(9.95, 5.0)], [(1, 0)]), np.zeros((1, 2)))
     assert position == pytest.approx(np.array([(10.05, 5.0)]))

@@ -20,7 +20,17 @@ coordinate = st.floats(-3.0, 3.0, allow_subnormal=False)
 speed = st.floats(-1.8, 1.8, allow_subnormal=False)
 
 
-def scene(position, velocity, preferred, *, robots=NO_ROBOTS, walls=NO_WALLS, period=(0.0, 0.0), max_speed=1.6):
+def scene(
+    position,
+    velocity,
+    preferred,
+    *,
+    robots=NO_ROBOTS,
+    walls=NO_WALLS,
+    period=(0.0, 0.0),
+    max_speed=1.6,
+    max_acceleration=5.0,
+):
     return Scene(
         position=np.asarray(position, np.float64),
         velocity=np.asarray(velocity, np.float64),
@@ -30,6 +40,8 @@ def scene(position, velocity, preferred, *, robots=NO_ROBOTS, walls=NO_WALLS, pe
         walls=walls,
         period=np.asarray(period, np.float64),
         max_speed=max_speed,
+        max_acceleration=max_acceleration,
+        stream=np.zeros(len(position), np.uint64),
         dt=DT,
     )
 
@@ -42,8 +54,8 @@ def walk_to(goal, position, *, horizon, max_acceleration, steps, **options):
         way = goal - position
         distance = np.hypot(way[:, 0], way[:, 1])[:, None]
         preferred = np.where(distance > 0.3, way / np.maximum(distance, 1e-12) * 1.3, 0.0)
-        now = scene(position, velocity, preferred, **options)
-        position, velocity = move(now, Orca(time_horizon=horizon).accelerate(now), max_acceleration)
+        now = scene(position, velocity, preferred, max_acceleration=max_acceleration, **options)
+        position, velocity = move(now, Orca(time_horizon=horizon).accelerate(now))
         track.append(position)
     return np.array(track)
 

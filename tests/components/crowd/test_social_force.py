@@ -36,6 +36,8 @@ def accelerate(position, velocity=None, preferred=None, *, robots=(), walls=(), 
             walls=np.array(walls, np.float64).reshape(-1, 2, 2),
             period=np.asarray(period, np.float64),
             max_speed=1.8,
+            max_acceleration=5.0,
+            stream=np.zeros(len(position), np.uint64),
             dt=0.1,
         )
     )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from components.robot.body_part import REFLECTED_MASS, part_at
+from components.robot.body_part import REFLECTED_MASS, TouchedPart
 from components.robot.contact import impact_energy
 from crowdcosim.message import check_finite
 from crowdcosim.messages import Contacts
@@ -42,28 +44,49 @@ def test_energy_is_what_a_perfectly_plastic_impact_loses(speed, mass, robot, by_
     assert impact_energy(speed, mass, robot) == pytest.approx(lost, rel=1e-9, abs=1e-11)
 
 
+def touched(people, height, x, y, heading=0.0, speed=0.0, phase=0.0):
+    """The part that a robot at (x, y) touches of somebody of 1.75 m at the origin."""
+    crowd = dataclasses.replace(
+        people((0.0, 0.0, speed * np.cos(heading), speed * np.sin(heading))), heading=[heading], gait_phase=[phase]
+    )
+    return TouchedPart(height)(crowd, 0, np.array([-x, -y]))
+
+
 @pytest.mark.parametrize(
-    ("height", "part"),
+    ("height", "x", "y", "part"),
     [
-        (0.05, Contacts.FEET),
-        (0.42, Contacts.LOWER_LEGS),  # TurtleBot2
-        (0.52, Contacts.UPPER_LEGS),
-        (0.92, Contacts.UPPER_LEGS),
-        (0.94, Contacts.UPPER_BODY),
-        (1.21, Contacts.UPPER_BODY),  # Pepper
+        (0.42, 0.477, 0.0, Contacts.FEET),  # a TurtleBot2 meets the toes,
+        (0.42, -0.477, 0.0, Contacts.FEET),  # from behind the heels,
+        (0.42, 0.0, 0.477, Contacts.LOWER_LEGS),  # and beside the calves, which are thicker than feet;
+        (0.05, 0.0, 0.477, Contacts.FEET),  # a lower robot does not reach them,
+        (0.60, 0.0, 0.477, Contacts.UPPER_LEGS),  # a higher one meets the thighs,
+        (1.21, 0.0, 0.477, Contacts.UPPER_BODY),  # and Pepper an arm;
+        (0.01, 0.477, 0.0, Contacts.FEET),  # the axis of a foot is above that
     ],
 )
-def test_parts_of_a_person_of_1_75_m(height, part):
-    assert part_at(height, 1.75) == part
+def test_a_person_who_stands_is_touched_where_they_are_nearest(people, height, x, y, part):
+    assert touched(people, height, x, y) == part
+    assert touched(people, height, -y, x, heading=np.pi / 2) == part
 
 
-def test_a_small_person_is_touched_higher_up():
-    assert part_at(0.42, 1.75) == Contacts.LOWER_LEGS
-    assert part_at(0.42, 1.40) == Contacts.UPPER_LEGS
+def test_a_turtlebot_touches_feet_and_lower_legs_only(people):
+    """0.42 m is below the knees' height, and hands hang above it."""
+    parts = {
+        touched(people, 0.42, 0.477 * np.cos(way), 0.477 * np.sin(way), speed=1.3, phase=phase)
+        for way in np.linspace(0, 2 * np.pi, 16, endpoint=False)
+        for phase in np.linspace(0, 1, 20, endpoint=False)
+    }
+    assert parts == {Contacts.FEET, Contacts.LOWER_LEGS}
+
+
+def test_the_foot_that_reaches_out_is_touched_first(people):
+    """A landing foot is ahead, toes up, while the other one is left behind."""
+    assert touched(people, 0.42, 0.6, 0.05, speed=1.3) == Contacts.FEET
+    assert touched(people, 0.42, -0.6, -0.05, speed=1.3) == Contacts.FEET
 
 
 def test_head_on_contact_is_reported_in_full(bodies, twist, people):
-    """1 m/s against 0.5 m/s: they close at 1.5 m/s, which at 7.88 kg are 8.86 J."""
+    """1 m/s against 0.5 m/s: they close at 1.5 m/s, which at 3.33 kg are 3.75 J: heels come first."""
     scene = bodies(Pose(x=3.0, y=4.0))
     x = 5.0
     for _ in range(100):
@@ -74,11 +97,11 @@ def test_head_on_contact_is_reported_in_full(bodies, twist, people):
     check_finite(contacts)
     assert contacts.kind.tolist() == [Contacts.PERSON]
     assert contacts.agent.tolist() == [101]
-    assert contacts.body_part.tolist() == [Contacts.LOWER_LEGS]
-    assert contacts.reflected_mass.tolist() == [13.0]
+    assert contacts.body_part.tolist() == [Contacts.FEET]
+    assert contacts.reflected_mass.tolist() == [4.0]
     assert contacts.relative_velocity[0] == pytest.approx([-1.5, 0.0], abs=1e-12)
     assert contacts.approach_speed == pytest.approx([1.5], abs=1e-12)
-    assert contacts.energy == pytest.approx([0.5 / (1 / 13 + 1 / 20) * 1.5**2], rel=1e-12)
+    assert contacts.energy == pytest.approx([0.5 / (1 / 4 + 1 / 20) * 1.5**2], rel=1e-12)
     assert contacts.normal[0] == pytest.approx([1.0, 0.0], abs=1e-12)
     assert contacts.position[0] == pytest.approx([scene.last[0].state.position[0] + 0.177, 4.0], abs=1e-12)
     assert contacts.duration.tolist() == [0.0]
@@ -131,4 +154,4 @@ def test_contacts_come_by_kind_and_agent(bodies, twist, people):
     contacts = scene.step(twist(), twist(), crowd=people((3.0, 4.4, 0, 0), (2.6, 4.0, 0, 0)))[0].contacts
     assert contacts.kind.tolist() == [Contacts.WALL, Contacts.PERSON, Contacts.PERSON, Contacts.ROBOT]
     assert contacts.agent.tolist() == [1, 101, 102, 2]
-    assert contacts.reflected_mass.tolist() == [0.0, 13.0, 13.0, 20.0]
+    assert contacts.reflected_mass.tolist() == [0.0, 13.0, 4.0, 20.0]  # beside one, before the other

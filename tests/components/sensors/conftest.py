@@ -57,14 +57,14 @@ def _robot(
     )
 
 
-def _people(*rows: tuple[float, ...], stature: float = 1.75) -> Crowd:
+def _people(*rows: tuple[float, float], heading: float = 0.0, stature: float = 1.75) -> Crowd:
     n = len(rows)
     return Crowd(
         id=np.arange(101, 101 + n),
-        position=np.array([row[:2] for row in rows], np.float64).reshape(-1, 2),
+        position=np.array(rows, np.float64).reshape(-1, 2),
         velocity=np.zeros((n, 2)),
-        heading=np.zeros(n),
-        radius=np.array([row[2] if len(row) > 2 else 0.3 for row in rows], np.float64),
+        heading=np.full(n, heading),
+        radius=np.full(n, 0.3),
         stature=np.full(n, stature),
         mass=np.full(n, 70.0),
         gait_phase=np.zeros(n),
@@ -85,5 +85,5 @@ def robot() -> Callable[..., RobotState]:
 
 @pytest.fixture(scope="session")
 def people() -> Callable[..., Crowd]:
-    """A crowd from rows of x, y and, if not 0.3, radius; ids from 101."""
+    """A crowd that stands at rows of x, y; ids from 101."""
     return _people

@@ -1,7 +1,12 @@
-"""What a LiDAR sees in scenes that can be worked out by hand, and its noise."""
+"""What a LiDAR sees in scenes that can be worked out by hand, and its noise.
+
+People of 1.75 m are scanned at the height of their heads, unless a test says otherwise: there the body is an upright
+cylinder, 0.084 m in radius, with its axis 17.5 mm ahead of the person's position.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -10,12 +15,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from components.sensors.lidar import Config, Lidar
+from crowdcosim.avatar import pose
+from crowdcosim.body import SEGMENTS
 from crowdcosim.component import make, ports_of
 from crowdcosim.message import check_finite
 from crowdcosim.messages import BeamAgents, LaserScan
 from crowdcosim.world import Wall, World
 
 OPEN = World(size=(50.0, 50.0))
+EYES, HEAD, AHEAD = 1.62, 0.048 * 1.75, 0.010 * 1.75
 FLOAT32 = 1e-6  # relative precision of a range
 
 
@@ -27,8 +35,8 @@ def box(width, height, **options):
 
 @pytest.fixture
 def lidar(setup):
-    def build(world=OPEN, seed=1, **options):
-        sensor = Lidar(Config(**options))
+    def build(world=OPEN, seed=1, position=(0.0, 0.0, EYES), **options):
+        sensor = Lidar(Config(position=position, **options))
         sensor.reset(setup(world, seed=seed))
         return sensor
 
@@ -38,6 +46,16 @@ def lidar(setup):
 def at(scan, angle):
     """Index of the beam at `angle` [rad] from ahead."""
     return round((angle - scan.angle_min) / scan.angle_increment)
+
+
+def test_a_head_is_the_cylinder_that_the_scenes_are_worked_out_with(people):
+    crowd = people((3.0, 2.0))
+    *ends, radius = pose(crowd.position, crowd.velocity, crowd.heading, crowd.stature, crowd.gait_phase)[
+        0, SEGMENTS.index("head")
+    ]
+    assert ends[0:2] == ends[3:5] == pytest.approx([3.0 + AHEAD, 2.0], abs=1e-12)
+    assert min(ends[2], ends[5]) < EYES < max(ends[2], ends[5])
+    assert radius == pytest.approx(HEAD)
 
 
 def test_ports_are_those_that_scenarios_wire():
@@ -96,7 +114,7 @@ def test_a_full_circle_has_no_direction_twice(lidar, robot, people, field_of_vie
 
 
 def test_a_partial_view_spans_its_angle_from_end_to_end(lidar, robot, people):
-    crowd = people((5 + 3 * math.cos(2.0), 5 + 3 * math.sin(2.0), 0.01), (5 + 3 * math.cos(2.0), 5 - 3 * math.sin(2.0)))
+    crowd = people((5 + 3 * math.cos(2.0), 5 + 3 * math.sin(2.0)), (5 + 3 * math.cos(2.0), 5 - 3 * math.sin(2.0)))
     scan, agents = lidar(beams=401, field_of_view=4.0).step(robot(5.0, 5.0), crowd, ())
     assert (scan.angle_min, scan.angle_max) == (-2.0, 2.0)
     assert agents.agent[[0, -1]].tolist() == [102, 101]
@@ -105,43 +123,94 @@ def test_a_partial_view_spans_its_angle_from_end_to_end(lidar, robot, people):
 @pytest.mark.parametrize("heading", [0.0, 1.0, math.pi, -2.5, 40.0])
 def test_a_person_is_seen_at_their_surface_and_in_their_direction(lidar, robot, people, heading):
     direction = heading + math.pi / 3
-    crowd = people((5.0 + 4.0 * math.cos(direction), 5.0 + 4.0 * math.sin(direction)))
+    crowd = people((5.0 + 4.0 * math.cos(direction), 5.0 + 4.0 * math.sin(direction)), heading=direction)
     scan, agents = lidar().step(robot(5.0, 5.0, heading), crowd, ())
     beam = at(scan, math.pi / 3)
-    assert scan.ranges[beam] == pytest.approx(3.7, rel=FLOAT32)
+    assert scan.ranges[beam] == pytest.approx(4.0 + AHEAD - HEAD, rel=FLOAT32)
     assert (agents.kind[beam], agents.agent[beam]) == (BeamAgents.PERSON, 101)
+    assert agents.body_part[beam] == BeamAgents.UPPER_BODY
     # Half the angle under which a disc appears is asin(r / d).
-    assert np.count_nonzero(agents.kind) == pytest.approx(2 * math.asin(0.3 / 4.0) / scan.angle_increment, abs=1)
+    angle = 2 * math.asin(HEAD / (4.0 + AHEAD))
+    assert np.count_nonzero(agents.kind) == pytest.approx(angle / scan.angle_increment, abs=1)
+
+
+@pytest.mark.parametrize(
+    ("height", "part"),
+    [
+        (0.03, BeamAgents.FEET),
+        (0.3, BeamAgents.LOWER_LEGS),
+        (0.7, BeamAgents.UPPER_LEGS),
+        (1.3, BeamAgents.UPPER_BODY),
+    ],
+)
+def test_each_height_sees_its_part_of_the_body(lidar, robot, people, height, part):
+    _, agents = lidar(position=(0.0, 0.0, height)).step(robot(5.0, 5.0), people((6.0, 5.0)), ())
+    # The hands of somebody who stands are beside the thighs.
+    assert set(agents.body_part.tolist()) - {BeamAgents.NO_PART} == {part} | (
+        {BeamAgents.UPPER_BODY} if height == 0.7 else set()
+    )
+    np.testing.assert_array_equal(agents.kind == BeamAgents.PERSON, agents.body_part != BeamAgents.NO_PART)
+
+
+def test_nobody_is_seen_above_their_head(lidar, robot, people):
+    _, agents = lidar(position=(0.0, 0.0, 1.76)).step(robot(5.0, 5.0), people((6.0, 5.0)), ())
+    assert not agents.kind.any()
+
+
+def test_between_the_legs_of_somebody_who_stands_one_sees_what_is_behind(lidar, robot, people):
+    """Shanks are 0.049 m thick and, at the ankle, 0.094 m to either side: 0.09 m are free between them."""
+    sensor = lidar(position=(0.0, 0.0, 0.2))
+    scan, agents = sensor.step(robot(5.0, 5.0), people((7.0, 5.0), (9.0, 5.1)), ())
+    assert agents.agent[at(scan, 0.0)] == 102
+    for side in (-1, 1):
+        beam = at(scan, side * math.atan2(0.094, 2.0))
+        assert agents.agent[beam] == 101
+        assert scan.ranges[beam] == pytest.approx(2.0 - 0.049, abs=0.02)  # shanks lean by that
+
+
+def test_the_legs_of_somebody_who_walks_move_through_the_scan(lidar, robot, people):
+    """From the side, 2 m away, at 1.3 m/s: legs are nearly a stride times the duty apart, and pass each other."""
+    sensor = lidar(position=(0.0, 0.0, 0.15))
+    spans = []
+    for phase in np.linspace(0.0, 1.0, 40):
+        standing = people((5.0, 7.0))
+        crowd = dataclasses.replace(standing, velocity=[(1.3, 0.0)], gait_phase=[phase])
+        scan, agents = sensor.step(robot(5.0, 5.0), crowd, ())
+        seen = np.flatnonzero(agents.agent == 101)
+        angles = scan.angle_min + scan.angle_increment * seen
+        spans.append(np.ptp(scan.ranges[seen] * np.cos(angles)))
+    assert max(spans) == pytest.approx(0.7, abs=0.2)
+    assert min(spans) < 0.25
 
 
 def test_mount_and_yaw_move_the_scan(lidar, robot, people):
     """1 m ahead of and 0.5 m left of a robot that looks along y, the scanner looks back."""
-    sensor = lidar(position=(1.0, 0.5, 0.3), yaw=math.pi)
-    scan, agents = sensor.step(robot(5.0, 5.0, math.pi / 2), people((4.5, 2.0)), ())
+    sensor = lidar(position=(1.0, 0.5, EYES), yaw=math.pi)
+    scan, agents = sensor.step(robot(5.0, 5.0, math.pi / 2), people((4.5, 2.0), heading=math.pi / 2), ())
     beam = at(scan, 0.0)
     assert agents.agent[beam] == 101
-    assert scan.ranges[beam] == pytest.approx(6.0 - 2.0 - 0.3, rel=FLOAT32)
+    assert scan.ranges[beam] == pytest.approx(6.0 - 2.0 - AHEAD - HEAD, rel=FLOAT32)
 
 
 def test_inside_a_person_every_beam_is_too_near(lidar, robot, people):
-    scan, agents = lidar(box(20.0, 10.0)).step(robot(5.0, 5.0), people((5.2, 5.1), (5.6, 5.0)), ())
+    scan, agents = lidar(box(20.0, 10.0)).step(robot(5.0, 5.0), people((5.02, 5.03), (5.6, 5.0)), ())
     assert np.all(scan.ranges == -np.inf)
     assert set(agents.agent.tolist()) == {101}
     check_finite(scan)
 
 
 def test_too_near_is_minus_infinity_and_still_says_who(lidar, robot, people):
-    scan, agents = lidar().step(robot(5.0, 5.0), people((5.35, 5.0)), ())
+    scan, agents = lidar().step(robot(5.0, 5.0), people((5.15, 5.0)), ())
     beam = at(scan, 0.0)
     assert scan.ranges[beam] == -np.inf
     assert agents.agent[beam] == 101
 
 
 def test_too_far_is_infinity_and_nobody(lidar, robot, people):
-    scan, agents = lidar(range_max=4.0).step(robot(5.0, 5.0), people((9.301, 5.0)), ())
+    scan, agents = lidar(range_max=4.0).step(robot(5.0, 5.0), people((9.0 + HEAD - AHEAD + 1e-3, 5.0)), ())
     assert np.all(scan.ranges == np.inf)
     assert not agents.kind.any()
-    scan, agents = lidar(range_max=4.0).step(robot(5.0, 5.0), people((9.299, 5.0)), ())
+    scan, agents = lidar(range_max=4.0).step(robot(5.0, 5.0), people((9.0 + HEAD - AHEAD - 1e-3, 5.0)), ())
     assert agents.agent[at(scan, 0.0)] == 101
 
 
@@ -157,6 +226,7 @@ def test_walls_and_people_hide_what_is_behind_them(lidar, robot, people):
 def test_other_robots_are_seen_by_their_number_if_they_are_high_enough(lidar, robot, people):
     others = (robot(8.0, 5.0, number=2), robot(2.0, 5.0, number=3))
     scan, agents = lidar(position=(0.0, 0.0, 0.3)).step(robot(5.0, 5.0), people(), others)
+    assert not agents.body_part.any()
     assert (agents.kind[at(scan, 0.0)], agents.agent[at(scan, 0.0)]) == (BeamAgents.ROBOT, 2)
     assert not np.any(agents.agent == 3)  # 0.2 m high
     assert scan.ranges[at(scan, 0.0)] == pytest.approx(3.0 - 0.177, rel=FLOAT32)
@@ -166,18 +236,19 @@ def test_a_person_across_the_seam_is_seen(lidar, robot, people):
     seam = World(size=(50.0, 10.0), periodic=(True, False))
     scan, agents = lidar(seam).step(robot(49.0, 5.0), people((1.0, 5.0)), ())
     assert agents.agent[at(scan, 0.0)] == 101
-    assert scan.ranges[at(scan, 0.0)] == pytest.approx(1.7, rel=FLOAT32)
+    assert scan.ranges[at(scan, 0.0)] == pytest.approx(2.0 + AHEAD - HEAD, rel=FLOAT32)
 
 
 def test_a_long_range_sees_several_images_of_one_person(lidar, robot, people):
     """Period 4 m, robot at 1 m, person at 3 m: images 2 and 6 m ahead and behind, and the nearer hides the farther."""
     world = World(size=(50.0, 4.0), periodic=(False, True))
-    crowd, own = people((6.0, 3.0)), robot(5.0, 1.0, math.pi / 2)
+    crowd, own = people((6.0 - AHEAD, 3.0)), robot(5.0, 1.0, math.pi / 2)
     scan, agents = lidar(world, range_max=10.0).step(own, crowd, ())
-    for ahead in (-10, -6, -2, 2, 6):
+    for ahead in (-6, -2, 2, 6):
         angle = math.atan2(-1.0, ahead)
         assert agents.agent[at(scan, angle)] == 101
-        assert scan.ranges[at(scan, angle)] == pytest.approx(math.hypot(1.0, ahead) - 0.3, abs=0.01)  # beam spacing
+        # The beam misses the axis by at most half the beam spacing, 0.027 m at 6 m, and is then 4 mm longer.
+        assert scan.ranges[at(scan, angle)] == pytest.approx(math.hypot(1.0, ahead) - HEAD, abs=0.006)
     scan, agents = lidar(world, range_max=1.8).step(own, crowd, ())
     assert not agents.kind.any()
 
@@ -241,3 +312,4 @@ def test_noise_never_makes_a_range_that_the_device_does_not_measure(lidar, robot
         assert np.all((scan.range_min <= measured) & (measured <= scan.range_max))
         np.testing.assert_array_equal(scan.ranges == np.inf, agents.kind == BeamAgents.NOTHING)
         np.testing.assert_array_equal(agents.kind == BeamAgents.NOTHING, agents.agent == 0)
+        np.testing.assert_array_equal(agents.kind == BeamAgents.PERSON, agents.body_part != BeamAgents.NO_PART)
