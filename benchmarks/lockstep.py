@@ -82,9 +82,7 @@ def bare(graph: Graph, sizes: dict[tuple[str, str], int], names: list[str], tick
         outputs = [(f"{name}/{o.name}", sizes.get((name, o.name), 64)) for o in graph.members[name].ports.outputs]
         expected += len(outputs)
         peers.append(
-            multiprocessing.get_context("spawn").Process(
-                target=bare_peer, args=(bus.endpoint, name, inputs, outputs)
-            )
+            multiprocessing.get_context("spawn").Process(target=bare_peer, args=(bus.endpoint, name, inputs, outputs))
         )
         peers[-1].start()
     for _ in names:

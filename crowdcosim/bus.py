@@ -20,6 +20,10 @@ PROTOCOL = 1
 CAPACITY = 1024
 """Messages that a mailbox holds before its sender has to wait."""
 
+LEASE = 60_000
+"""A link that is silent for so long is taken for lost [ms]; one that is closed is noticed at once. A machine that was
+suspended, or a process that was stopped for a while, goes on."""
+
 _ATTACHMENT = struct.Struct("<QQqQ")
 
 zenoh.init_log_from_env_or("off")
@@ -256,6 +260,8 @@ def _open(mode: str, role: str, endpoint: str) -> Any:
         (f"{role}/exit_on_failure", True),
         ("scouting/multicast/enabled", False),
         ("scouting/gossip/enabled", False),
+        ("scouting/delay", 0),
+        ("transport/link/tx/lease", LEASE),
     ):
         config.insert_json5(key, json.dumps(value))
     try:

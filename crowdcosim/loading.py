@@ -31,7 +31,9 @@ def load_class(use: str) -> type[Component]:
         hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(classes) or 'no classes'}"
         raise ComponentError(f"'{source}' has no class '{name}': {hint}")
     if not (inspect.isclass(cls) and issubclass(cls, Component)):
-        raise ComponentError(f"'{use}' is not a subclass of crowdcosim.Component (Controller, Sensor, Mover, Evaluator)")
+        raise ComponentError(
+            f"'{use}' is not a subclass of crowdcosim.Component (Controller, Sensor, Mover, Evaluator)"
+        )
     return cls
 
 

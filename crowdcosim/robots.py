@@ -68,8 +68,12 @@ class Robot:
     """One robot of a scenario."""
 
     name: str
+    """in the scenario"""
     number: int
     """from 1, in the scenario's order; the robot's number in `Contacts` and `BeamAgents`"""
     model: RobotModel
+    """body and limits"""
     start: Pose
+    """where it stands at t = 0"""
     goal: Target
+    """what it is asked to reach"""

@@ -24,6 +24,7 @@ class Setup:
     seed: int
     """this component's own seed, from the scenario's seed and the component's name; 0 <= seed < 2**64"""
     world: World
+    """extent, walls and seams"""
     robots: tuple[Robot, ...] = ()
     """all robots, in the scenario's order"""
     robot: str | None = None
@@ -48,9 +49,7 @@ class Setup:
         for robot in self.robots:
             if robot.name == self.robot:
                 return robot
-        raise ValueError(
-            f"component '{self.component}' belongs to no robot: place it under `robots:` in the scenario"
-        )
+        raise ValueError(f"component '{self.component}' belongs to no robot: place it under `robots:` in the scenario")
 
     def rng(self, *stream: int) -> np.random.Generator:
         """A generator of this component's own; other `stream` numbers give independent ones."""

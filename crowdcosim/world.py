@@ -30,6 +30,7 @@ class World:
     periodic: tuple[bool, bool] = (False, False)
     """axes along which people who leave re-enter at the opposite side, and are felt and seen across the seam"""
     walls: tuple[Wall, ...] = ()
+    """all walls, numbered from 1 in this order"""
 
     @cached_property
     def period(self) -> NDArray[np.float64]:

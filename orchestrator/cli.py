@@ -30,6 +30,9 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+fmu = typer.Typer(help="Wheel motors as FMUs: build ours, look into yours.", no_args_is_help=True)
+app.add_typer(fmu, name="fmu")
+
 Json = Annotated[bool, typer.Option("--json", help="Print the result as one JSON object.")]
 Scenario = Annotated[str, typer.Argument(help="Name of a shipped scenario, or path of a YAML file.")]
 Settings = Annotated[
@@ -195,6 +198,34 @@ def evaluate(log: LogFile, as_json: Json = False) -> None:
         from orchestrator.commands.evaluate import print_evaluation
 
         print_evaluation(_log_file(log), as_json)
+
+
+@fmu.command("build")
+def fmu_build(
+    out: Annotated[Path, typer.Option(help="Folder for the two files.")] = Path("."), as_json: Json = False
+) -> None:
+    """Build the wheel drive as a co-simulation FMU of FMI 2.0 and of 3.0, with this machine's C compiler.
+
+    Example: `crowdcosim fmu build --out fmus`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.fmu import print_build
+
+        print_build(out, as_json)
+
+
+@fmu.command("inspect")
+def fmu_inspect(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU of any version.")], as_json: Json = False
+) -> None:
+    """Describe an FMU: version, platforms, variables, and whether it can be used here.
+
+    Example: `crowdcosim fmu inspect fmus/WheelDrive_fmi3.fmu`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.fmu import print_inspection
+
+        print_inspection(file, as_json)
 
 
 def _with_shortcuts(settings: list[str] | None, seed: int | None, host: str | None) -> list[str]:

@@ -11,6 +11,7 @@ from typing import Any, Literal, NamedTuple
 
 from crowdcosim.component import ComponentError, config_adapter
 from orchestrator.problems import Problem, key_path
+from orchestrator.processes import search_path
 from orchestrator.registry import Family, component_class, import_string
 from orchestrator.scenario_file import ComponentEntry, component_adapter
 from orchestrator.validation import check
@@ -162,7 +163,7 @@ class _Draft:
         if not self._cwd.is_dir():
             self._fault(f"there is no folder {self._cwd}", "cwd")
         elif "/" not in program:
-            if not shutil.which(program):
+            if not shutil.which(program, path=search_path()):
                 self._fault(f"there is no program '{program}' on the PATH; a file here is './{program}'", "exec")
         elif not path.is_file():
             self._fault(f"there is no file {path}", "exec")

@@ -12,6 +12,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 
+def search_path() -> str:
+    """Where the commands of components are looked for: first beside the running Python, as in its active environment."""
+    return os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
+
+
 class Exit(NamedTuple):
     """A process that has ended, or never began."""
 
@@ -29,7 +34,7 @@ class Processes:
             [sys.executable, "-m", "orchestrator.launcher"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},  # of Python components only
             bufsize=0,
             process_group=0,  # Ctrl-C reaches the orchestrator alone, which then ends the run in order
         )
@@ -66,7 +71,7 @@ class Processes:
                 "component": component,
                 "command": list(command),
                 "folder": str(folder),
-                "environment": environment,
+                "environment": environment | {"PATH": search_path(), "PYTHONPATH": os.environ.get("PYTHONPATH", "")},
                 "log": str(log),
             }
         )

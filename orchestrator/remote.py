@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import select
 import threading
 import time
@@ -21,6 +22,9 @@ from orchestrator.processes import Exit, Processes, tail
 
 WATCH_PERIOD = 0.02
 """How often the watch looks for silence [s]; exits and lost connections wake it at once."""
+
+RESERVED = ("alive", "control", "done", "status")
+"""No output may bear these names: they are keys of the protocol."""
 
 STOP_GRACE = 3.0
 """How long components may take to leave when told to stop [s]."""
@@ -146,12 +150,21 @@ class Remote:
                 ready, self._last_sign = set(now_ready), time.monotonic()
             if self.exits:
                 self._raise_if_lost()
+            self._hear_status()
             if time.monotonic() - self._last_sign > self._deadline:
                 missing = next(c for c in self.components if c not in ready)
                 raise RunError(
                     missing, None, f"{complaint} within {self._deadline:g} s of start-up{self._tail(missing)}"
                 )
             time.sleep(0.002)
+
+    def _hear_status(self) -> None:
+        """Before the first tick nothing but `status` comes; every word is a sign of life."""
+        while received := self._mailbox.poll():
+            component, port = self._ports.get(received.key, ("", ""))
+            if port == "status":
+                self._last_sign = time.monotonic()
+                self._status(f"{component}: {received.payload.decode(errors='replace')}")
 
     # --- ticks ---------------------------------------------------------------------------------------------------
 
@@ -311,6 +324,14 @@ def _ports(component: str, body: Mapping[str, object]) -> Ports:
             f"component '{component}' answered 'hello' with {json.dumps(body)[:200]}: "
             f"expected lists `inputs` and `outputs` of objects with name, type and hash ({error!r})"
         ) from None
+    for output in outputs:
+        if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", output.name) or output.name in RESERVED:
+            raise InputError(
+                f"component '{component}' calls an output '{output.name}', expected letters, digits and _, "
+                f"and another name than {', '.join(RESERVED)}"
+            )
+    if len({output.name for output in outputs}) < len(outputs):
+        raise InputError(f"component '{component}' has two outputs of one name: {', '.join(o.name for o in outputs)}")
     return Ports(kind=kind, inputs=inputs, outputs=outputs)
 
 

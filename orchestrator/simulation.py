@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from crowdcosim.bus import Bus, BusError
-from crowdcosim.component import ComponentError, Output, Ports, make, ports_of
+from crowdcosim.component import ComponentError, Kind, Output, Ports, make, ports_of
 from crowdcosim.host import FOREVER, ComponentHost, Source, blame
 from crowdcosim.loading import load_class
 from crowdcosim.messages import Goal, Header
@@ -136,6 +136,10 @@ class Simulation:
 
     def _wire(self) -> Graph:
         told = self._remote.hello() if self._remote else {}
+        for name, ports in told.items():
+            wanted = kind_of_place(self._specs[name])
+            if ports.kind != wanted:
+                raise ScenarioError([self._specs[name].problem(f"it is a {ports.kind}, expected a {wanted} here")])
         members = [
             Member(
                 name=spec.name,
@@ -169,6 +173,13 @@ class Simulation:
             "setup": TypeAdapter(Setup).dump_python(self.setup(spec.name), mode="json"),
         }
         return json.dumps(body)
+
+
+def kind_of_place(spec: ComponentSpec) -> Kind:
+    """The kind that a component must be of where the scenario has it."""
+    if spec.name == "evaluator":
+        return "observer"
+    return "mover" if spec.name in ("crowd", spec.robot) else "reactor"
 
 
 def connected(scenario: Scenario, members: list[Member]) -> Graph:

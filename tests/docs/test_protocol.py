@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import zenoh
 from pydantic import TypeAdapter
 
 from crowdcosim.bus import PROTOCOL, Label
@@ -87,6 +88,13 @@ def test_regenerating_the_page_changes_nothing(scripts) -> None:
 def test_the_version_is_the_one_that_is_spoken() -> None:
     assert PAGE.startswith(f"# The wire protocol, version {PROTOCOL}\n")
     assert json.loads(part("hello answer").strip("`json\n"))["protocol"] == PROTOCOL
+
+
+def test_zenoh_takes_the_settings_of_the_session() -> None:
+    settings = PAGE.partition("## The session")[2].partition("```json\n")[2].partition("```")[0]
+    config = zenoh.Config.from_json5(settings)
+    assert json.loads(config.get_json("mode")) == "client"
+    assert not json.loads(config.get_json("scouting/multicast/enabled"))
 
 
 # --- bytes -----------------------------------------------------------------------------------------------------------

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from pathlib import Path
 
 import pytest
@@ -13,8 +11,6 @@ EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
 @pytest.mark.parametrize("name", ["my_controller", "plain_controller"])
 def test_the_example_runs(crowdcosim, name) -> None:
-    # `exec: [python, ...]` needs the environment's own Python first on the PATH, as when it is activated.
-    crowdcosim.environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     settings = ["end.time_limit=2", "crowd.config.count=10", "reference=false"]
     arguments = [part for setting in settings for part in ("--set", setting)]
     outcome = crowdcosim(
