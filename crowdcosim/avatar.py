@@ -8,14 +8,14 @@ It turns about its heel when it lands and about its ball when it pushes off: bot
 The hips are as high as the legs reach (a soft minimum) and as the walk lets them, and knees follow by two-link inverse
 kinematics. Arms, the pelvis and the sway follow Boulic, Magnenat-Thalmann and Thalmann 1990, "A global human walking
 model with real-time kinematic personification", with nu = v / h:
-    shoulder  3 - a / 2 - a cos 2 pi phi [deg], a = 9.88 nu;         pelvis   -4 nu cos 2 pi phi [deg] about the vertical;
-    sideways  0.032 sin 2 pi (phi - 0.1) h, less below nu = 0.5;     upwards  0.015 nu (sin 2 pi (2 phi - 0.35) - 1) h.
+    shoulder  3 - a / 2 - a cos 2 pi phi [deg], a = 9.88 nu;     pelvis   -4 nu cos 2 pi phi [deg] about the vertical;
+    sideways  0.032 sin 2 pi (phi - 0.1) h, less below nu = 0.5; upwards  0.015 nu (sin 2 pi (2 phi - 0.35) - 1) h.
 
 Differs from the paper: its leg angles let the feet slide; here the feet stand still. The elbow's 6 to 20 degrees are a
 cosine. Not in the paper: how the feet roll, their track and how high they swing, the shoulders' turn against the
 pelvis, the trunk's lean, and steps to the side or backwards, in which the feet do not roll. Nobody runs: beyond
-nu = 2.4 / s (2.2 m/s for an average adult) the feet slide. They do so a little, too, while somebody accelerates or
-turns, as the state of a person does not tell how fast they do that.
+nu = 2.6 / s (2.4 m/s for an average adult; 1 / s aside or back) the feet slide. They do so a little, too, while
+somebody accelerates or turns, as the state of a person does not tell how fast they do that.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from crowdcosim.gait import HIP, cycle_time, duty
 
 Array = NDArray[np.float64]
 
-REACH = 0.7
+REACH = 0.5
 """no part of a body is farther than this from the person's position, over stature, as seen from above"""
 
 CAPSULES = len(body.SEGMENTS)
@@ -46,7 +46,7 @@ _FOOT, _SHANK, _THIGH, _PELVIS, _TRUNK, _NECK, _HEAD, _UPPER_ARM, _FOREARM, _HAN
 _DEGREE = math.pi / 180.0
 _THIGH_LENGTH, _SHANK_LENGTH = body.THIGH, body.SHANK
 _UPPER_ARM_LENGTH, _FOREARM_LENGTH = body.UPPER_ARM, body.FOREARM
-_FASTEST = 2.4  # nu beyond which steps get no longer [1/s]
+_FASTEST, _FASTEST_ASIDE = 2.6, 1.0  # nu beyond which steps get no longer, ahead and aside or back [1/s]
 
 # The foot: spheres at the heel and at the toes, seen from the ankle, which is above them.
 _SOLE = _RADII[_FOOT]
@@ -58,11 +58,11 @@ _TOE_OUT_COS, _TOE_OUT_SIN = math.cos(_TOE_OUT), math.sin(_TOE_OUT)
 
 # Its roll at a full stride: toes up when it lands, heel up when it leaves; and the shares of the stance they take.
 _LANDING, _LANDED = 20.0 * _DEGREE, 0.18
-_PUSH, _PUSH_BEGINS = 58.0 * _DEGREE, 0.45
+_PUSH, _PUSH_BEGINS = 70.0 * _DEGREE, 0.45
 _FULL_STRIDE = 0.70
 _ROUNDING = 0.03  # of the change from ball to heel in the air, per roll: small enough to leave the stance as it is
 _CLEARANCE = 0.012
-_CENTRE = 0.085  # c: feet are behind the hips in the mean
+_CENTRE = 0.10  # c: feet are behind the hips in the mean
 
 _HIP_ASIDE = 0.5 * body.HIPS - _RADII[_THIGH]
 _SHOULDER_ASIDE = 0.5 * body.SHOULDERS - _RADII[_UPPER_ARM]
@@ -171,7 +171,7 @@ def cycle_of(ahead: float, left: float, stature: float) -> Cycle:
     speed = math.sqrt(ahead * ahead + left * left)
     if speed > 0.0:
         ahead, left = ahead / speed, left / speed
-    speed = min(speed, _FASTEST * hip)
+    speed = min(speed, (_FASTEST_ASIDE + (_FASTEST - _FASTEST_ASIDE) * max(ahead, 0.0)) * hip)
     time = cycle_time(speed, stature)
     stride = speed * time / stature
     share = min(stride / _FULL_STRIDE, 1.0)
@@ -200,13 +200,14 @@ def foot_at(cycle: Cycle, phase: float, side: float) -> Foot:
         if share < _LANDED:
             pitch = landing * (1.0 - share / _LANDED) ** 2
         elif share > _PUSH_BEGINS:
-            pitch = push * ((share - _PUSH_BEGINS) / (1.0 - _PUSH_BEGINS)) ** 2
+            risen = (share - _PUSH_BEGINS) / (1.0 - _PUSH_BEGINS)
+            pitch = push * risen * math.sqrt(risen)
     else:
         swing = 1.0 - cycle.duty
         u = (phase - cycle.duty) / swing
         slope = -cycle.stride * swing
         way = _hermite(front - cycle.stride * cycle.duty, slope, front, slope, u)
-        pitch = _hermite(push, 2.0 * push * swing / ((1.0 - _PUSH_BEGINS) * cycle.duty), landing, 0.0, u)
+        pitch = _hermite(push, 1.5 * push * swing / ((1.0 - _PUSH_BEGINS) * cycle.duty), landing, 0.0, u)
         clearance = cycle.lift * 16.0 * (u * (1.0 - u)) ** 2
         rounding = _ROUNDING * cycle.roll
     cos, sin = math.cos(pitch), math.sin(pitch)
@@ -251,9 +252,7 @@ def _reach(foot: Foot, x: float, y: float) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _set(
-    capsules: Array, index: int, ax: float, ay: float, az: float, bx: float, by: float, bz: float
-) -> None:
+def _set(capsules: Array, index: int, ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> None:
     capsules[index, 0], capsules[index, 1], capsules[index, 2] = ax, ay, az
     capsules[index, 3], capsules[index, 4], capsules[index, 5] = bx, by, bz
 
@@ -306,13 +305,11 @@ def _trunk(sway: float, z: float, cos: float, sin: float, lean: float, capsules:
         )
     _set(capsules, _NECK, lean * 0.25, sway, z + 0.26, lean * 0.35, sway, z + 0.35)
     top = z + 0.470 - _RADII[_HEAD]
-    _set(capsules, _HEAD, lean * 0.40 + 0.012, sway, top - 0.038, lean * 0.42 + 0.008, sway, top)
+    _set(capsules, _HEAD, lean * 0.41 + 0.010, sway, top - 0.045, lean * 0.41 + 0.010, sway, top)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _arm(
-    cycle: Cycle, wave: float, side: float, x: float, y: float, z: float, index: int, capsules: Array
-) -> None:
+def _arm(cycle: Cycle, wave: float, side: float, x: float, y: float, z: float, index: int, capsules: Array) -> None:
     """Upper arm, forearm and hand below the shoulder; `wave` is cos 2 pi phi of this side's leg."""
     swing = 9.88 * cycle.nu
     shoulder = (3.0 - 0.5 * swing - swing * wave) * _DEGREE

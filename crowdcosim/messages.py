@@ -231,9 +231,15 @@ class BeamAgents(CoercedMessage):
     WALL: ClassVar[int] = 1
     PERSON: ClassVar[int] = 2
     ROBOT: ClassVar[int] = 3
+    NO_PART: ClassVar[int] = 0
+    FEET: ClassVar[int] = 1
+    LOWER_LEGS: ClassVar[int] = 2
+    UPPER_LEGS: ClassVar[int] = 3
+    UPPER_BODY: ClassVar[int] = 4
     _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
         ArrayField("kind", np.dtype(np.uint8), ("B",)),
         ArrayField("agent", np.dtype(np.uint32), ("B",)),
+        ArrayField("body_part", np.dtype(np.uint8), ("B",)),
     )
 
     header: Header = field(default_factory=Header)
@@ -242,6 +248,8 @@ class BeamAgents(CoercedMessage):
     """(B,) NOTHING, WALL, PERSON or ROBOT"""
     agent: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
     """(B,) a person's id, a robot's number (from 1), a wall's (from 1), 0 for nothing"""
+    body_part: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    """(B,) the person's part, NO_PART if it is not a person"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)

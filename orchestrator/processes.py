@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 
 def search_path() -> str:
-    """Where the commands of components are looked for: first beside the running Python, as in its active environment."""
+    """Where components' commands are looked for: first beside the running Python, as in its active environment."""
     return os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
 
 

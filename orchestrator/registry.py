@@ -68,8 +68,6 @@ def component_class(use: str, family: Family) -> type[Component]:
     """
     try:
         cls = load_class(use)
-    except SystemExit as error:
-        raise ComponentError(f"importing '{use}' ended the program: SystemExit({error.code!r})") from None
     except (OSError, ValueError) as error:  # a name that no file or module can have
         raise ComponentError(f"'{use}' cannot be imported: {error}") from None
     kind = ports_of(cls).kind

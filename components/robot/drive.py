@@ -48,10 +48,24 @@ class DifferentialDrive:
     def plan(self, speed: float, turn_rate: float, h: float) -> Motion:
         """The motion of the next `h` [s] towards the commanded `speed` [m/s] and `turn_rate` [rad/s]."""
         model = self.model
-        wanted_speed = min(max(speed, model.min_speed), model.max_speed)
-        wanted_rate = min(max(turn_rate, -model.max_angular_velocity), model.max_angular_velocity)
-        next_speed = _towards(self.speed, wanted_speed, model.max_acceleration * h)
-        next_rate = _towards(self.turn_rate, wanted_rate, model.max_angular_acceleration * h)
+        return self.approach(
+            min(max(speed, model.min_speed), model.max_speed),
+            min(max(turn_rate, -model.max_angular_velocity), model.max_angular_velocity),
+            model.max_acceleration,
+            model.max_angular_acceleration,
+            h,
+        )
+
+    def approach(
+        self, speed: float, turn_rate: float, acceleration: float, angular_acceleration: float, h: float
+    ) -> Motion:
+        """The motion of the next `h` [s], in which the rates come as near to these as the accelerations allow.
+
+        `speed` [m/s], `turn_rate` [rad/s], `acceleration` [m/s2] and `angular_acceleration` [rad/s2], the latter two
+        either way.
+        """
+        next_speed = _towards(self.speed, speed, acceleration * h)
+        next_rate = _towards(self.turn_rate, turn_rate, angular_acceleration * h)
         turn = 0.5 * (self.turn_rate + next_rate) * h
         dx, dy = chord(self.heading, 0.5 * (self.speed + next_speed) * h, turn)
         return Motion(dx, dy, turn, next_speed, next_rate)

@@ -1,47 +1,11 @@
-"""A robot that follows its command exactly, within its limits, until something is in its way.
-
-A step is cut into 10 inner steps of length h. In each, the drive plans its motion d, the others are taken to go on at
-their committed velocity u, and all that is within reach is looked up in pymunk. With the unit vector n towards an
-obstacle and the gap g to it, the two meet if g <= 0 or n.(d - u h) > g, after the share g / n.(d - u h) of the inner
-step. If the robot drives at the obstacle (n.d > 0), it stops there; if not, it drives on. It is never pushed, never
-slides sideways, and may always turn on the spot and drive away. The plane that touches an obstacle stands for it; it
-lies before the obstacle, so that nothing is driven through at any speed.
-
-After Grzeskowiak et al., "Crowd against the machine", 2021: walls stop the robot, and who drives straight stays on
-that line. Not in the paper: what contact does. As in its authors' simulator, the robot stands until contact ends; but
-who is behind it, or within its disc and not ahead, does not hold it. Another robot that drives at this one stops where
-they meet: both compute that from the same old states and agree, but for what new commands change within the step.
-The robot itself does not wrap around: its position goes on beyond a seam, across which it touches people and robots.
-"""
+"""A robot that follows its command exactly, within its limits, until something is in its way (`chassis.py`)."""
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
-
-import numpy as np
-
-from components.robot.body_part import REFLECTED_MASS, part_at
-from components.robot.contact import ContactLog
-from components.robot.drive import DifferentialDrive, Motion
-from components.robot.surroundings import Near, Obstacle, Surroundings
+from components.robot.chassis import INNER_STEPS, Chassis, RobotStep
 from crowdcosim.component import Mover
-from crowdcosim.messages import Contacts, Crowd, Header, RobotState, Twist
-from crowdcosim.setup import Setup, time_of
-
-INNER_STEPS = 10
-
-# Surfaces this near touch [m]: more than rounding and what the tangent plane leaves out, less than what matters.
-_TOUCH = 1e-3
-# Sine of the angle [rad] between the way and a surface from which on the robot drives at it, and not along it.
-_ALONG = 1e-6
-
-
-class RobotStep(NamedTuple):
-    """What a robot's body says at the end of a step."""
-
-    state: RobotState
-    contacts: Contacts
+from crowdcosim.messages import Crowd, RobotState, Twist
+from crowdcosim.setup import Setup
 
 
 class Kinematic(Mover):
@@ -49,147 +13,15 @@ class Kinematic(Mover):
 
     def reset(self, setup: Setup) -> RobotStep:
         """The robot at its start pose, at rest. Raises ValueError if the component belongs to no robot."""
-        robot = setup.own_robot
-        self._setup = setup
-        self._robot = robot
-        self._time = 0
-        self._top_speed = max(robot.model.max_speed, -robot.model.min_speed)
-        self._robot_of = {other.name: other for other in setup.robots}
-        self._drive = DifferentialDrive(
-            model=robot.model,
-            x=robot.start.x,
-            y=robot.start.y,
-            heading=math.remainder(robot.start.heading, 2.0 * math.pi),
-        )
-        self._surroundings = Surroundings(setup.world)
-        self._log = ContactLog(robot=robot.name, mass=robot.model.mass, radius=robot.model.radius)
-        return self._output()
+        model = setup.own_robot.model
+        self._h = setup.dt / INNER_STEPS
+        self._top_speed = max(model.max_speed, -model.min_speed)
+        self._chassis = Chassis(setup)
+        return self._chassis.output()
 
     def step(self, twist: Twist, crowd: Crowd, others: tuple[RobotState, ...]) -> RobotStep:
-        h = self._setup.dt / INNER_STEPS
-        unhindered = not self._look_around(crowd, others)
+        chassis = self._chassis
+        chassis.begin_step(crowd, others, self._top_speed)
         for _ in range(INNER_STEPS):
-            motion = self._drive.plan(twist.linear.x, twist.angular.z, h)
-            if unhindered:
-                self._drive.move(motion, 1.0)
-            else:
-                self._move_among_obstacles(motion, h)
-        self._time += self._setup.period
-        return self._output()
-
-    def _look_around(self, crowd: Crowd, others: tuple[RobotState, ...]) -> bool:
-        """Place whatever the robot may touch in this step; False if there is nothing, not even a wall."""
-        obstacles = self._people(crowd) + self._robots(others)
-        self._surroundings.place(obstacles)
-        reach = self._robot.model.radius + self._top_speed * self._setup.dt + _TOUCH
-        return bool(obstacles or self._surroundings.near(self._drive.x, self._drive.y, reach, h=0.0))
-
-    def _move_among_obstacles(self, motion: Motion, h: float) -> None:
-        drive = self._drive
-        velocity = drive.speed * math.cos(drive.heading), drive.speed * math.sin(drive.heading)
-        reach = self._robot.model.radius + math.hypot(motion.dx, motion.dy) + _TOUCH
-        near = self._surroundings.near(drive.x, drive.y, reach, h)
-        free, meeting_robots = self._look_ahead(motion, near, h)
-        drive.move(motion, free)
-        self._note_contacts(motion, free, velocity, near, h)
-        for robot, share in meeting_robots:
-            if share <= free:
-                self._surroundings.halt(robot, share * h)
-        self._surroundings.advance(h)
-
-    def _look_ahead(self, motion: Motion, near: list[Near], h: float) -> tuple[float, list[tuple[Obstacle, float]]]:
-        """How much of `motion` is free, 1 if nothing stops the robot; and which other robots drive at this one.
-
-        Each of those comes with the share of this inner step after which they meet.
-        """
-        along = _ALONG * math.hypot(motion.dx, motion.dy)
-        free = 1.0
-        robots = []
-        for obstacle, distance, nx, ny in near:
-            gap = distance - self._robot.model.radius
-            mine = nx * motion.dx + ny * motion.dy
-            theirs = (nx * obstacle.vx + ny * obstacle.vy) * h
-            if 0.0 < gap >= mine - theirs:
-                continue
-            share = gap / (mine - theirs) if gap > 0.0 else 0.0
-            if mine > along:
-                free = min(free, share)
-            if obstacle.kind == Contacts.ROBOT and theirs < 0.0:
-                robots.append((obstacle, share))
-        return free, robots
-
-    def _note_contacts(
-        self, motion: Motion, free: float, velocity: tuple[float, float], near: list[Near], h: float
-    ) -> None:
-        """Log all that touch the robot after `free` of `motion`, begun at `velocity` [m/s]."""
-        drive = self._drive
-        for obstacle, distance, nx, ny in near:
-            closing = free * (nx * motion.dx + ny * motion.dy) - (nx * obstacle.vx + ny * obstacle.vy) * h
-            if distance - self._robot.model.radius - closing <= _TOUCH:
-                relative = (obstacle.vx - velocity[0], obstacle.vy - velocity[1])
-                self._log.touch(obstacle, (drive.x, drive.y), (nx, ny), relative)
-
-    def _people(self, crowd: Crowd) -> list[Obstacle]:
-        """The people whom the robot may touch in this step, in the image next to it."""
-        model = self._robot.model
-        position = np.array((self._drive.x, self._drive.y))
-        way = self._setup.world.displacement(position, crowd.position)
-        gap = np.hypot(way[:, 0], way[:, 1]) - crowd.radius - model.radius
-        closing = np.hypot(crowd.velocity[:, 0], crowd.velocity[:, 1]) + self._top_speed
-        obstacles = []
-        for k in np.flatnonzero(gap <= closing * self._setup.dt + _TOUCH).tolist():
-            part = part_at(model.height, float(crowd.stature[k]))
-            obstacles.append(
-                Obstacle(
-                    kind=Contacts.PERSON,
-                    agent=int(crowd.id[k]),
-                    body_part=part,
-                    reflected_mass=REFLECTED_MASS[part],
-                    x=float(position[0] + way[k, 0]),
-                    y=float(position[1] + way[k, 1]),
-                    vx=float(crowd.velocity[k, 0]),
-                    vy=float(crowd.velocity[k, 1]),
-                    radius=float(crowd.radius[k]),
-                )
-            )
-        return obstacles
-
-    def _robots(self, others: tuple[RobotState, ...]) -> list[Obstacle]:
-        """The robots that this one may touch in this step, in the image next to it."""
-        position = np.array((self._drive.x, self._drive.y))
-        obstacles = []
-        for other in others:
-            dx, dy = self._setup.world.displacement(position, other.position).tolist()
-            vx, vy = other.velocity.tolist()
-            gap = math.hypot(dx, dy) - other.radius - self._robot.model.radius
-            if gap > (math.hypot(vx, vy) + self._top_speed) * self._setup.dt + _TOUCH:
-                continue
-            robot = self._robot_of[other.name]
-            obstacles.append(
-                Obstacle(
-                    kind=Contacts.ROBOT,
-                    agent=robot.number,
-                    reflected_mass=robot.model.mass,
-                    x=self._drive.x + dx,
-                    y=self._drive.y + dy,
-                    vx=vx,
-                    vy=vy,
-                    radius=other.radius,
-                )
-            )
-        return obstacles
-
-    def _output(self) -> RobotStep:
-        drive = self._drive
-        header = Header(stamp=time_of(self._time), frame_id="map")
-        cos, sin = math.cos(drive.heading), math.sin(drive.heading)
-        state = RobotState(
-            header=header,
-            name=self._robot.name,
-            position=np.array((drive.x, drive.y)),
-            heading=drive.heading,
-            velocity=np.array((drive.speed * cos, drive.speed * sin)),
-            angular_velocity=drive.turn_rate,
-            radius=self._robot.model.radius,
-        )
-        return RobotStep(state=state, contacts=self._log.close_step(header, self._setup.dt))
+            chassis.move(chassis.drive.plan(twist.linear.x, twist.angular.z, self._h), self._h)
+        return chassis.end_step()

@@ -1,9 +1,9 @@
-"""A planar laser scanner among people and other robots, who are upright discs, and walls.
+"""A planar laser scanner among walking people, other robots, who are upright cylinders, and walls.
 
-Ranges follow REP 117: infinite where nothing is within `range_max`, minus infinity where something is nearer than
-`range_min`. A beam that is too near to measure still says who is there; one that noise carries beyond `range_max` says
-nobody. All beams are taken at the time of the state. Noise is drawn anew for every scan, from the seed and the time.
-The robot that carries the scanner does not see itself.
+It sees of a person what is at its own height: low down, two legs. Ranges follow REP 117: infinite where nothing is
+within `range_max`, minus infinity where something is nearer than `range_min`. A beam that is too near to measure still
+says who is there; one that noise carries beyond `range_max` says nobody. All beams are taken at the time of the state.
+Noise is drawn anew for every scan, from the seed and the time. The robot that carries the scanner does not see itself.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from components.sensors.scan import Beams, Discs, Pose, scan
+from components.sensors.scan import Beams, Cylinders, People, Pose, scan
 from crowdcosim.component import Sensor
 from crowdcosim.messages import BeamAgents, Crowd, Header, LaserScan, RobotState
 from crowdcosim.setup import Setup, nanoseconds_of
@@ -93,15 +93,16 @@ class Lidar(Sensor):
 
     def step(self, robot: RobotState, crowd: Crowd, others: tuple[RobotState, ...]) -> LidarOutput:
         config = self.config
-        people = Discs(crowd.id, crowd.position, crowd.radius, crowd.stature)
-        distance, kind, agent = scan(
-            self._beams, self._pose(robot), self._period, self._walls, people, self._discs(others)
+        people = People(crowd.id, crowd.position, crowd.velocity, crowd.heading, crowd.stature, crowd.gait_phase)
+        distance, kind, agent, body_part = scan(
+            self._beams, self._pose(robot), self._period, self._walls, people, self._cylinders(others)
         )
         if config.noise > 0.0:
             nanoseconds = nanoseconds_of(robot.header.stamp)
             distance += config.noise * self._setup.rng(nanoseconds).standard_normal(config.beams)
             lost = distance > config.range_max
             distance[lost], kind[lost], agent[lost] = np.inf, BeamAgents.NOTHING, 0
+            body_part[lost] = BeamAgents.NO_PART
         distance[distance < config.range_min] = -np.inf
         header = Header(stamp=robot.header.stamp, frame_id=self._setup.component)
         return LidarOutput(
@@ -115,7 +116,9 @@ class Lidar(Sensor):
                 range_max=config.range_max,
                 ranges=_read_only(distance.astype(np.float32)),
             ),
-            agents=BeamAgents(header=header, kind=_read_only(kind), agent=_read_only(agent)),
+            agents=BeamAgents(
+                header=header, kind=_read_only(kind), agent=_read_only(agent), body_part=_read_only(body_part)
+            ),
         )
 
     def _pose(self, robot: RobotState) -> Pose:
@@ -127,9 +130,9 @@ class Lidar(Sensor):
             x + cos * ahead - sin * left, y + sin * ahead + cos * left, up, math.cos(heading), math.sin(heading)
         )
 
-    def _discs(self, robots: tuple[RobotState, ...]) -> Discs:
+    def _cylinders(self, robots: tuple[RobotState, ...]) -> Cylinders:
         """The robots as the kernel takes them: arrays that are read-only, as those of a message are."""
-        return Discs(
+        return Cylinders(
             _read_only(np.array([self._number_of[robot.name] for robot in robots], np.uint32)),
             _read_only(np.array([robot.position for robot in robots], np.float64).reshape(-1, 2)),
             _read_only(np.array([robot.radius for robot in robots], np.float64)),

@@ -1,9 +1,12 @@
-"""The nearest disc or wall along each beam of a planar scan, found by visiting only the beams that an object can meet.
+"""The nearest person, robot or wall along each beam of a level scan; only the beams that may meet a thing visit it.
 
 In the sensor's frame, with x ahead, beam k points along u_k at the angle first + k * increment.
-Disc with centre c and radius r: seen within asin(r / |c|) of its direction, at c.u - sqrt(r^2 - (c x u)^2).
+Robot, an upright cylinder with centre c and radius r: seen within asin(r / |c|) of its direction, at
+c.u - sqrt(r^2 - (c x u)^2).
 Wall from a to b: seen between its ends, at (a x (b - a)) / (u x (b - a)).
-Along a periodic axis a disc has an image at every whole period, and all within range are seen; a wall has none.
+Person: the capsules of `crowdcosim.avatar`, in `components.sensors.capsule`.
+Along a periodic axis people and robots have an image at every whole period, and all within range are seen; a wall has
+none.
 """
 
 from __future__ import annotations
@@ -15,10 +18,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from components.sensors.capsule import Axis, holds_origin, in_slab, meets, outline
+from crowdcosim.avatar import CAPSULES, REACH, pose_one
+from crowdcosim.body import BODY_PART
 from crowdcosim.messages import BeamAgents
 
 # numba takes globals, but not class attributes, as constants.
 NOTHING, WALL, PERSON, ROBOT = BeamAgents.NOTHING, BeamAgents.WALL, BeamAgents.PERSON, BeamAgents.ROBOT
+NO_PART = BeamAgents.NO_PART
 
 # How far a wall reaches beyond its ends, as a fraction of its length: closes the corners, which rounding would open.
 _OVERLAP = 1e-9
@@ -52,11 +59,28 @@ class Pose(NamedTuple):
     """of its heading"""
 
 
-class Discs(NamedTuple):
-    """Upright cylinders that stand on the ground."""
+class People(NamedTuple):
+    """Those whom the sensor may see, as in `Crowd`."""
+
+    id: NDArray[np.uint32]
+    """(N,)"""
+    position: NDArray[np.float64]
+    """(N, 2) in the map [m]"""
+    velocity: NDArray[np.float64]
+    """(N, 2) [m/s]"""
+    heading: NDArray[np.float64]
+    """(N,) [rad]"""
+    stature: NDArray[np.float64]
+    """(N,) [m]"""
+    gait_phase: NDArray[np.float64]
+    """(N,) [cycles]"""
+
+
+class Cylinders(NamedTuple):
+    """Robots: upright cylinders that stand on the ground."""
 
     number: NDArray[np.uint32]
-    """(N,) id of the person or number of the robot"""
+    """(N,)"""
     centre: NDArray[np.float64]
     """(N, 2) in the map [m]"""
     radius: NDArray[np.float64]
@@ -69,10 +93,12 @@ class Hits(NamedTuple):
     """What each beam meets first."""
 
     distance: NDArray[np.float64]
-    """(B,) [m]; infinite where nothing is met, 0 within a disc"""
+    """(B,) [m]; infinite where nothing is met, 0 within a person or robot"""
     kind: NDArray[np.uint8]
     """(B,) as in `BeamAgents`"""
     agent: NDArray[np.uint32]
+    """(B,) as in `BeamAgents`"""
+    body_part: NDArray[np.uint8]
     """(B,) as in `BeamAgents`"""
 
 
@@ -82,19 +108,24 @@ def scan(
     pose: Pose,
     period: NDArray[np.float64],
     walls: NDArray[np.float64],
-    people: Discs,
-    robots: Discs,
+    people: People,
+    robots: Cylinders,
 ) -> Hits:
     """What each beam meets first; of two at the same distance the wall, then the person, then whoever is listed first.
 
     `period`: (2,) of the map [m], 0 along an axis that does not wrap around; `walls`: (W, 2, 2) their ends [m].
     """
     count = len(beams.directions)
-    hits = Hits(np.full(count, np.inf), np.full(count, NOTHING, np.uint8), np.zeros(count, np.uint32))
+    hits = Hits(
+        np.full(count, np.inf),
+        np.full(count, NOTHING, np.uint8),
+        np.zeros(count, np.uint32),
+        np.full(count, NO_PART, np.uint8),
+    )
     for number in range(len(walls)):
         _wall(beams, pose, walls[number], number + 1, hits)
-    _discs(beams, pose, period, people, PERSON, hits)
-    _discs(beams, pose, period, robots, ROBOT, hits)
+    _people(beams, pose, period, people, hits)
+    _robots(beams, pose, period, robots, hits)
     return hits
 
 
@@ -136,23 +167,72 @@ def _wall(beams: Beams, pose: Pose, ends: NDArray[np.float64], number: int, hits
             distance = cross / along
             where = (ax * uy - ay * ux) / along
             if distance >= 0.0 and -_OVERLAP <= where <= 1.0 + _OVERLAP:
-                _note(beams, k, distance, WALL, number, hits)
+                _note(beams, k, distance, WALL, number, NO_PART, hits)
 
 
 @njit(cache=True, nogil=True)
-def _discs(beams: Beams, pose: Pose, period: NDArray[np.float64], discs: Discs, kind: int, hits: Hits) -> None:
-    for n in range(len(discs.number)):
-        if discs.height[n] < pose.z:
+def _people(beams: Beams, pose: Pose, period: NDArray[np.float64], people: People, hits: Hits) -> None:
+    capsules = np.empty((CAPSULES, 7))
+    for n in range(len(people.id)):
+        stature = people.stature[n]
+        reach = beams.limit + REACH * stature
+        dx, dy = people.position[n, 0] - pose.x, people.position[n, 1] - pose.y
+        west, east = _images(dx, reach, period[0])
+        south, north = _images(dy, reach, period[1])
+        posed = False
+        for i in range(west, east + 1):
+            for j in range(south, north + 1):
+                x, y = _in_sensor(pose, dx + i * period[0], dy + j * period[1])
+                if x * x + y * y > reach * reach:
+                    continue
+                if not posed:
+                    vx, vy = people.velocity[n, 0], people.velocity[n, 1]
+                    pose_one(0.0, 0.0, vx, vy, people.heading[n], stature, people.gait_phase[n], capsules)
+                    posed = True
+                _person(beams, pose, x, y, people.id[n], capsules, hits)
+
+
+@njit(cache=True, nogil=True)
+def _person(
+    beams: Beams, pose: Pose, x: float, y: float, number: int, capsules: NDArray[np.float64], hits: Hits
+) -> None:
+    """Somebody at (x, y), whose `capsules` are those of the map but around their own position."""
+    for c in range(CAPSULES):
+        capsule = capsules[c]
+        if not in_slab(capsule, pose.z):
             continue
-        reach = beams.limit + discs.radius[n]
-        dx, dy = discs.centre[n, 0] - pose.x, discs.centre[n, 1] - pose.y
+        ax, ay = _in_sensor(pose, capsule[0], capsule[1])
+        bx, by = _in_sensor(pose, capsule[3], capsule[4])
+        axis = Axis(x + ax, y + ay, capsule[2] - pose.z, bx - ax, by - ay, capsule[5] - capsule[2], capsule[6])
+        if holds_origin(axis):
+            for k in range(len(beams.directions)):
+                _note(beams, k, 0.0, PERSON, number, BODY_PART[c], hits)
+            continue
+        seen = outline(axis)
+        if seen.nearest > beams.limit:
+            continue
+        for turn in range(2):
+            low, high = _span(beams, seen.start, seen.extent, turn)
+            for k in range(low, high):
+                if seen.nearest < hits.distance[k]:
+                    distance = meets(axis, beams.directions[k, 0], beams.directions[k, 1])
+                    _note(beams, k, distance, PERSON, number, BODY_PART[c], hits)
+
+
+@njit(cache=True, nogil=True)
+def _robots(beams: Beams, pose: Pose, period: NDArray[np.float64], robots: Cylinders, hits: Hits) -> None:
+    for n in range(len(robots.number)):
+        if robots.height[n] < pose.z:
+            continue
+        reach = beams.limit + robots.radius[n]
+        dx, dy = robots.centre[n, 0] - pose.x, robots.centre[n, 1] - pose.y
         west, east = _images(dx, reach, period[0])
         south, north = _images(dy, reach, period[1])
         for i in range(west, east + 1):
             for j in range(south, north + 1):
                 x, y = _in_sensor(pose, dx + i * period[0], dy + j * period[1])
                 if x * x + y * y <= reach * reach:
-                    _disc(beams, x, y, discs.radius[n], kind, discs.number[n], hits)
+                    _disc(beams, x, y, robots.radius[n], robots.number[n], hits)
 
 
 @njit(cache=True, nogil=True)
@@ -164,11 +244,11 @@ def _images(offset: float, reach: float, period: float) -> tuple[int, int]:
 
 
 @njit(cache=True, nogil=True)
-def _disc(beams: Beams, x: float, y: float, radius: float, kind: int, number: int, hits: Hits) -> None:
+def _disc(beams: Beams, x: float, y: float, radius: float, number: int, hits: Hits) -> None:
     away = math.sqrt(x * x + y * y)
     if away <= radius:
         for k in range(len(beams.directions)):
-            _note(beams, k, 0.0, kind, number, hits)
+            _note(beams, k, 0.0, ROBOT, number, NO_PART, hits)
         return
     half = math.asin(radius / away)
     start = math.atan2(y, x) - half
@@ -179,10 +259,10 @@ def _disc(beams: Beams, x: float, y: float, radius: float, kind: int, number: in
             ahead, aside = x * ux + y * uy, x * uy - y * ux
             depth = radius * radius - aside * aside
             if depth >= 0.0 and ahead > 0.0:
-                _note(beams, k, ahead - math.sqrt(depth), kind, number, hits)
+                _note(beams, k, ahead - math.sqrt(depth), ROBOT, number, NO_PART, hits)
 
 
 @njit(cache=True, nogil=True)
-def _note(beams: Beams, k: int, distance: float, kind: int, number: int, hits: Hits) -> None:
+def _note(beams: Beams, k: int, distance: float, kind: int, number: int, part: int, hits: Hits) -> None:
     if distance <= beams.limit and distance < hits.distance[k]:
-        hits.distance[k], hits.kind[k], hits.agent[k] = distance, kind, number
+        hits.distance[k], hits.kind[k], hits.agent[k], hits.body_part[k] = distance, kind, number, part

@@ -74,7 +74,7 @@ def test_a_fault_in_a_module_is_told_as_the_module_tells_it(changed: Change, fol
         "ModuleNotFoundError: No module named 'no_such_module'"
     )
     assert error_of(changed("use: ./mine.py:Driver", "use: ./leaving.py:A")) == (
-        f"s.yaml:18: robots.robot.controller.use: importing '{folder}/leaving.py:A' ended the program: SystemExit(3)"
+        f"s.yaml:18: robots.robot.controller.use: importing {folder}/leaving.py failed: SystemExit: 3"
     )
 
 

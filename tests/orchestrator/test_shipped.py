@@ -71,7 +71,7 @@ def test_two_robots_have_controllers_of_their_own() -> None:
     ("use", "message"),
     [
         ("dw", r"there is no controller 'dw' \(did you mean 'dwa'\?\)"),
-        ("lidar", "'lidar' is a sensor, expected a controller: baseline, dwa, rvo"),
+        ("lidar", "'lidar' is a sensor, expected a controller: baseline, dwa"),
         ("", "there is no controller ''; shipped"),
         ("mine.py", "expected the class too: 'mine.py:Class'"),
     ],
