@@ -14,7 +14,10 @@ Family = Literal["crowd", "drive", "sensor", "controller", "evaluator"]
 
 SHIPPED: dict[Family, dict[str, str]] = {
     "crowd": {"crowd": "components.crowd.crowd:CrowdModel"},
-    "drive": {"kinematic": "components.robot.kinematic:Kinematic"},
+    "drive": {
+        "kinematic": "components.robot.kinematic:Kinematic",
+        "wheels": "components.robot.wheels:Wheels",
+    },
     "sensor": {
         "lidar": "components.sensors.lidar:Lidar",
         "odometry": "components.sensors.odometry:Odometer",

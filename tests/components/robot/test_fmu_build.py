@@ -15,7 +15,8 @@ import pytest
 
 from components.robot import fmu_build
 from components.robot.fmu_build import REFERENCE, built_in, file_name, find_compiler, source_files
-from components.robot.fmu_file import HEADERS, FmuError, FmuInstance, describe, problems_of
+from components.robot.fmu_file import HEADERS, FmuError, describe, problems_of
+from components.robot.fmu_instance import FmuInstance
 from components.robot.motor import BATTERY, SPEED, TORQUE, TURTLEBOT2, Motor, NativeMotors
 
 pytestmark = pytest.mark.skipif(
@@ -186,7 +187,9 @@ def test_every_function_of_the_standard_is_there(version, fmu, tmp_path):
     with zipfile.ZipFile(fmu) as archive:
         archive.extractall(tmp_path)
     (library,) = tmp_path.glob(f"binaries/*/{about.identifier}*")
-    names = re.findall(rf"_Export fmi{version}\w+TYPE\s+(fmi{version}\w+);", (HEADERS / f"fmi{version}Functions.h").read_text())
+    names = re.findall(
+        rf"_Export fmi{version}\w+TYPE\s+(fmi{version}\w+);", (HEADERS / f"fmi{version}Functions.h").read_text()
+    )
     assert len(names) == {"2": 44, "3": 75}[version]
     loaded = ctypes.CDLL(str(library))
     assert [name for name in names if not hasattr(loaded, name)] == []
