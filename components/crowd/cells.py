@@ -128,18 +128,38 @@ def _wrapped(cell: int, count: int) -> int:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _offsets(xs: Array, ys: Array, x: float, y: float, period_x: float, period_y: float, dx: Array, dy: Array) -> None:
-    """Shortest ways from (x, y) to all (xs, ys), less than a period away: simple enough to run four at a time."""
+def _offsets(
+    xs: Array,
+    ys: Array,
+    begin: int,
+    end: int,
+    x: float,
+    y: float,
+    period_x: float,
+    period_y: float,
+    m: int,
+    found: NDArray[np.int64],
+    dx: Array,
+    dy: Array,
+) -> None:
+    """Append places `begin` to `end`, and the shortest ways there from (x, y), to the `m` found so far.
+
+    Simple enough to run four at a time. Places are less than a period away. Unsigned indices, because signed ones would
+    be checked for counting from the end; whole arrays, because numba counts references at every slice.
+    """
     half_x = 0.5 * period_x if period_x > 0.0 else np.inf
     half_y = 0.5 * period_y if period_y > 0.0 else np.inf
-    for t in range(len(xs)):
-        u, v = xs[t] - x, ys[t] - y
+    start, to = np.uint64(begin), np.uint64(m)
+    for t in range(np.uint64(end - begin)):
+        u, v = xs[start + t] - x, ys[start + t] - y
         u = u - period_x if u > half_x else u
         u = u + period_x if u < -half_x else u
         v = v - period_y if v > half_y else v
         v = v + period_y if v < -half_y else v
-        dx[t] = u
-        dy[t] = v
+        dx[to + t] = u
+        dy[to + t] = v
+    for t in range(np.uint64(end - begin)):
+        found[to + t] = np.int64(start + t)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -158,7 +178,9 @@ def gather(cells: Cells, k: int, after: int, reach: float, found: NDArray[np.int
     Returns:
         How many there are.
     """
-    x, y = cells.x[k], cells.y[k]
+    # Taken out once: numba counts references at every access to a field.
+    xs, ys, first = cells.x, cells.y, cells.first
+    x, y = xs[k], ys[k]
     column, columns = _span(x, cells.left, cells.width, cells.columns, reach, cells.period_x > 0.0)
     row, rows = _span(y, cells.bottom, cells.height, cells.rows, reach, cells.period_y > 0.0)
     m = 0
@@ -168,13 +190,10 @@ def gather(cells: Cells, k: int, after: int, reach: float, found: NDArray[np.int
         begin, left_over = _wrapped(row, cells.rows), rows
         while left_over > 0:
             length = min(left_over, cells.rows - begin)
-            a, z = max(cells.first[base + begin], after), cells.first[base + begin + length]
+            a, z = max(first[base + begin], after), first[base + begin + length]
             if z > a:
-                end = m + z - a
-                _offsets(cells.x[a:z], cells.y[a:z], x, y, cells.period_x, cells.period_y, dx[m:end], dy[m:end])
-                for j in range(a, z):
-                    found[m + j - a] = j
-                m = end
+                _offsets(xs, ys, a, z, x, y, cells.period_x, cells.period_y, m, found, dx, dy)
+                m += z - a
             left_over -= length
             begin = 0
     n = 0

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from components.crowd.flows import Flow, directions
 from components.crowd.gait import walk
+from components.crowd.mixture import Mixture, Share, draw_groups
 from components.crowd.motion import move
-from components.crowd.orca import Orca
 from components.crowd.people import draw_bodies, draw_speeds
 from components.crowd.placement import check, place
+from components.crowd.policies import PolicyName, make_policy
+from components.crowd.sampling import next_streams
 from components.crowd.scene import Policy, Scene
-from components.crowd.social_force import SocialForce
+from components.crowd.steering import Recipe
 from crowdcosim.component import Mover
 from crowdcosim.messages import Crowd, Header, RobotState
 from crowdcosim.setup import Setup, time_of
 
 Array = NDArray[np.float64]
 
-PLACES, SPEEDS, BODIES, STEPS = range(4)
+PLACES, SPEEDS, BODIES, STEPS, CHOICES, GROUPS = range(6)
 """streams of chance: given positions leave speeds and bodies as they are"""
 
 
@@ -31,8 +33,8 @@ PLACES, SPEEDS, BODIES, STEPS = range(4)
 class Config:
     """Who is in the crowd, where they go, and how they react. Either `count` or `positions` must be given."""
 
-    policy: Literal["orca", "social_force"] = "orca"
-    """how people avoid each other"""
+    policy: PolicyName | Recipe | tuple[Share, ...] = "orca"
+    """how people avoid each other: a shipped policy, costs and an optimiser of your own, or shares of several"""
     time_horizon: float = 1.5
     """of `orca`: collisions later than this are ignored [s]"""
     reactive: bool = True
@@ -60,6 +62,8 @@ class Config:
         if (self.count is None) == (self.positions is None):
             given = "neither" if self.count is None else "both"
             raise ValueError(f"{given} of count and positions given, expected one of them")
+        if self.policy == ():
+            raise ValueError("policy is empty, expected a policy, or a list of at least one share")
         if self.count is not None and self.count < 0:
             raise ValueError(f"count is {self.count}, expected zero or more")
         for name in ("time_horizon", "radius", "preferred_speed", "max_speed", "max_acceleration"):
@@ -99,6 +103,8 @@ class _State:
     """(N,) smoothed speeds that the steps follow [m/s]"""
     phase: Array
     """(N,) [cycles]"""
+    stream: NDArray[np.uint64]
+    """(N,) numbers that random choices begin with"""
 
 
 class CrowdModel(Mover):
@@ -106,9 +112,9 @@ class CrowdModel(Mover):
 
     def __init__(self, config: Config) -> None:
         self._config = config
-        self._policy: Policy = (
-            Orca(time_horizon=float(config.time_horizon)) if config.policy == "orca" else SocialForce()
-        )
+        minds = config.policy if isinstance(config.policy, tuple) else (Share(policy=config.policy, share=1.0),)
+        self._shares = [mind.share for mind in minds]
+        self._policies = [make_policy(mind.policy, time_horizon=float(config.time_horizon)) for mind in minds]
 
     def reset(self, setup: Setup) -> Crowd:
         """The people of the episode at t = 0, at rest.
@@ -140,6 +146,7 @@ class CrowdModel(Mover):
             heading=np.arctan2(ways[:, 1], ways[:, 0]),
             pace=np.zeros(count),
             phase=setup.rng(STEPS).random(count),
+            stream=setup.rng(CHOICES).integers(0, 2**64, count, np.uint64),
         )
         self._scene = Scene(
             position=position,
@@ -150,8 +157,13 @@ class CrowdModel(Mover):
             walls=world.segments_for_people.copy(),
             period=world.period.copy(),
             max_speed=float(config.max_speed),
+            max_acceleration=float(config.max_acceleration),
+            stream=self._state.stream,
             dt=setup.dt,
         )
+        self._policy: Policy = self._policies[0]
+        if len(self._policies) > 1:
+            self._policy = Mixture(self._policies, draw_groups(setup.rng(GROUPS), count, self._shares))
         self._stature = bodies.stature
         self._period, self._time = setup.period, 0
         # Compiles or loads the kernels, so that no step has to.
@@ -181,10 +193,17 @@ class CrowdModel(Mover):
         return position
 
     def _next(self, old: _State, robots: Array) -> _State:
-        scene = replace(self._scene, position=old.position, velocity=old.velocity, robots=robots)
-        position, velocity = move(scene, self._policy.accelerate(scene), float(self._config.max_acceleration))
+        scene = replace(self._scene, position=old.position, velocity=old.velocity, robots=robots, stream=old.stream)
+        position, velocity = move(scene, self._policy.accelerate(scene))
         heading, pace, phase = walk(velocity, old.heading, old.pace, old.phase, self._stature, scene.dt)
-        return _State(position=position, velocity=velocity, heading=heading, pace=pace, phase=phase)
+        return _State(
+            position=position,
+            velocity=velocity,
+            heading=heading,
+            pace=pace,
+            phase=phase,
+            stream=next_streams(old.stream),
+        )
 
     def _message(self) -> Crowd:
         state = self._state

@@ -1,12 +1,9 @@
 """The phase of the walk and the direction of the body, integrated from the velocity.
 
-With nu = v / h, h = 0.530 H the height of the hip above the floor: stride L = 1.346 sqrt(nu) h, so that a cycle takes
-L / v = 1.346 / sqrt(nu) (Boulic, Magnenat-Thalmann and Thalmann 1990, "A global human walking model with real-time
-kinematic personification"; h from Winter's body segments).
+A cycle takes as long as `crowdcosim.gait` says, so that the feet of `crowdcosim.avatar` stand still on the floor.
 
-Not in the paper: the speed is smoothed over 0.3 s, since people do not change their step within a tenth of a second; a
-cycle takes at most 1.8 s, because in a jam the steps get short rather than slow (Jelic, Appert-Rolland, Lemercier and
-Pettre 2012, "Properties of pedestrians walking in line. II. Stepping behavior"); whoever is almost at rest stands.
+Not in the paper cited there: the speed is smoothed over 0.3 s, since people do not change their step within a tenth of
+a second.
 """
 
 from __future__ import annotations
@@ -17,25 +14,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from crowdcosim.gait import AT_REST, phase_rate
+
 Array = NDArray[np.float64]
 
-HIP = 0.530
-"""height of the hip over stature"""
-STRIDE = 1.346
-LONGEST_CYCLE = 1.8
-"""[s]"""
 SMOOTHING = 0.3
 """time constant of the speed that the steps follow [s]"""
-AT_REST = 0.05
-"""slower people stand: no step, no turn [m/s]"""
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def phase_rate(speed: float, stature: float) -> float:
-    """Cycles per second of somebody who walks at `speed` [m/s]; `stature` is the body height [m]."""
-    if speed < AT_REST:
-        return 0.0
-    return max(math.sqrt(speed / (HIP * stature)) / STRIDE, 1.0 / LONGEST_CYCLE)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -106,13 +106,12 @@ def _into_period(x: float, period: float) -> float:
     return 0.0 if x >= period else x
 
 
-def move(scene: Scene, acceleration: Array, max_acceleration: float) -> tuple[Array, Array]:
+def move(scene: Scene, acceleration: Array) -> tuple[Array, Array]:
     """Positions and velocities, both (N, 2), one step later [m, m/s].
 
     Args:
-        scene: the old state
+        scene: the old state; contacts may exceed its `max_acceleration` and `max_speed`
         acceleration: (N, 2) wanted accelerations [m/s2]
-        max_acceleration: limit of them; contacts may exceed it, and `scene.max_speed` too [m/s2]
     """
     return _move(
         scene.position,
@@ -123,7 +122,7 @@ def move(scene: Scene, acceleration: Array, max_acceleration: float) -> tuple[Ar
         scene.walls,
         scene.period,
         scene.max_speed,
-        max_acceleration,
+        scene.max_acceleration,
         scene.dt,
     )
 

@@ -43,7 +43,7 @@ class Orca:
     time_horizon: float
     """collisions later than this are ignored [s]"""
 
-    def accelerate(self, scene: Scene) -> Array:
+    def accelerate(self, scene: Scene, who: NDArray[np.int64] | None = None) -> Array:
         """(N, 2) accelerations that everybody wants [m/s2]."""
         return orca(
             scene.position,

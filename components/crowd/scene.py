@@ -34,6 +34,10 @@ class Scene:
     """(2,) period of each axis, 0 where the world does not wrap around [m]"""
     max_speed: float
     """nobody wants to be faster [m/s]"""
+    max_acceleration: float
+    """nobody wants to accelerate or brake harder [m/s2]"""
+    stream: NDArray[np.uint64]
+    """(N,) numbers that everybody's random choices of this step begin with"""
     dt: float
     """time step [s]"""
 
@@ -41,5 +45,5 @@ class Scene:
 class Policy(Protocol):
     """How people react to what is around them."""
 
-    def accelerate(self, scene: Scene) -> Array:
-        """(N, 2) accelerations that everybody wants [m/s2]."""
+    def accelerate(self, scene: Scene, who: NDArray[np.int64] | None = None) -> Array:
+        """(N, 2) accelerations that everybody wants, or at least those whose indices are in `who` [m/s2]."""

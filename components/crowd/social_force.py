@@ -53,7 +53,7 @@ BEHIND = 0.5
 class SocialForce:
     """The policy `social_force`."""
 
-    def accelerate(self, scene: Scene) -> Array:
+    def accelerate(self, scene: Scene, who: NDArray[np.int64] | None = None) -> Array:
         """(N, 2) accelerations that everybody wants [m/s2]."""
         return social_force(
             scene.position,

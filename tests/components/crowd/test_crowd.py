@@ -42,7 +42,7 @@ SETUP = Setup(
     world=CORRIDOR,
     robots=(Robot(name="robot", number=1, model=TURTLEBOT, start=Pose(x=5.0, y=5.0), goal=Target(x=45.0, y=5.0)),),
 )
-POLICIES = ("orca", "social_force")
+POLICIES = ("orca", "social_force", "power_law")
 
 
 def robot(x, y, vx=0.0, vy=0.0):
