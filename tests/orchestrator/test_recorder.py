@@ -1,5 +1,6 @@
 """What is handed to the recorder is in the file, in that order, and the hash knows every byte of it."""
 
+import time
 from pathlib import Path
 
 import pytest
@@ -86,10 +87,10 @@ def test_a_log_cut_anywhere_gives_back_complete_chunks(tmp_path: Path, share: fl
 def test_what_cannot_be_written_is_told_at_the_next_tick(tmp_path: Path) -> None:
     recorder = Recorder(tmp_path / "x.mcap", CHANNELS, attachments={}, metadata={})
     recorder.add([Record("/unknown", 0, b"")])
+    until = time.monotonic() + 10.0
     with pytest.raises(RunError, match="cannot write"):
-        for _ in range(1000):
+        while time.monotonic() < until:
             recorder.add(records(0))
-            __import__("time").sleep(0.01)
 
 
 def test_a_topic_names_component_and_port_once() -> None:
