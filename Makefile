@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 SCENARIO ?= corridor
 
-.PHONY: run test lint bench clean
+.PHONY: run test lint bench clean clean-kernels
 
 run: .venv/run.stamp            ## one corridor episode: a table, a log and a report
 	$(BIN)/crowdcosim run $(SCENARIO)
@@ -20,7 +20,10 @@ lint: .venv/dev.stamp           ## style, types, and who imports whom
 bench: .venv/dev.stamp          ## speed, as ratios in one run
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
 
-clean:
+clean-kernels:                  ## compiled kernels; numba does not notice changes in what they call
+	find . -name '*.nb[ic]' -not -path './.venv/*' -delete
+
+clean: clean-kernels
 	rm -rf .venv build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 
 .venv/bin/python:
