@@ -10,6 +10,7 @@ import pytest
 
 from components.controllers.ego import Ego
 from components.controllers.optimal_control import (
+    IDLE,
     OMEGA,
     THETA,
     A,
@@ -88,7 +89,12 @@ def posed(control, seed) -> tuple[Near, Scales]:
 
 
 def given(control) -> tuple[np.ndarray, np.ndarray]:
-    return control.guess.reshape(-1)[:-2].copy(), control._parameters.copy()
+    return variables(control.guess), control._parameters.copy()
+
+
+def variables(plan) -> np.ndarray:
+    """A plan as the programme's vector, with inputs that do nothing."""
+    return np.pad(plan, [(0, 0), (0, IDLE)]).reshape(-1)[: -2 - IDLE]
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -141,7 +147,7 @@ def test_a_plan_obeys_dynamics_and_limits_and_is_no_worse_than_its_start(control
     before = float(symbols["cost"](*given(control)))
     plan = control.solve(OPEN)
     assert plan is not None
-    x, p = plan.reshape(-1)[:-2], control._parameters
+    x, p = variables(plan), control._parameters
     np.testing.assert_allclose(symbols["constraints"](x, p), 0.0, atol=1e-3)  # the solver's tolerance
     assert float(symbols["cost"](x, p)) <= before + 1e-6
     lowest, highest = (-0.2, -math.pi, -5.0, -10.0), (1.02, math.pi, 5.0, 10.0)
@@ -157,7 +163,7 @@ def test_the_fallback_finds_the_same_plan(control, seed):
     for solver in control._solvers:
         control.solve(OPEN)  # sets the bounds
         assert solver.run()
-        plans.append(np.append(solver.plan, [0.0, 0.0]).reshape(-1, 7))
+        plans.append(solver.plan.copy())
     # From one start they may end on two sides of somebody; where they do not, they differ by their tolerance.
     if np.abs(plans[0] - plans[1])[:, :2].max() < 0.2:
         np.testing.assert_allclose(plans[0][:, :2], plans[1][:, :2], atol=0.05)
