@@ -29,7 +29,10 @@ FLUSH_PERIOD = 1.0
 SWITCH_INTERVAL = 0.0005
 """The writing thread gives way to the step loop within this time [s]; Python's default is ten times longer."""
 
-BACKLOG = 512
+BATCH = 32
+"""Ticks that are handed to the writing thread at once: one waking instead of many, and warm caches."""
+
+BACKLOG = 16
 """Batches that may wait for the disk before the run does."""
 
 QOS = """- history: keep_last
@@ -108,7 +111,9 @@ class Recorder:
         self._queue: queue.Queue[list[Record] | None] = queue.Queue(maxsize=BACKLOG)
         sys.setswitchinterval(SWITCH_INTERVAL)
         self._failure: BaseException | None = None
-        self._flushed = time.monotonic()
+        self._flushed = self._handed = time.monotonic()
+        self._batch: list[Record] = []
+        self._ticks = 0
         self._thread = threading.Thread(target=self._write_all, daemon=True)
         self._thread.start()
 
@@ -120,10 +125,14 @@ class Recorder:
         """
         if self._failure is not None:
             raise RunError(None, None, f"cannot write {self.path}: {self._failure}")
-        self._queue.put(records)
+        self._batch += records
+        self._ticks += 1
+        if self._ticks >= BATCH or time.monotonic() - self._handed > FLUSH_PERIOD:
+            self._hand_over()
 
     def close(self, metadata: Mapping[str, Mapping[str, str]]) -> str:
         """Write the rest, `metadata` by name, and the index; return the data hash."""
+        self._hand_over()
         self._queue.put(None)
         self._thread.join()
         data_hash = self._hash.text()
@@ -137,6 +146,10 @@ class Recorder:
         except OSError as error:
             raise RunError(None, None, f"cannot write {self.path}: {error}") from None
         return data_hash
+
+    def _hand_over(self) -> None:
+        self._queue.put(self._batch)
+        self._batch, self._ticks, self._handed = [], 0, time.monotonic()
 
     def _register(self, channel: Channel) -> int:
         schema = self._writer.register_schema(channel.type, "ros2msg", schema_text(channel.type).encode())

@@ -34,6 +34,11 @@ FAR = 1e3
 """where those are who are not there, and the bounds of an open world: their cost is zero, and so is its slope [m]"""
 ROOM = 1.02
 """by how much a plan may be faster than the robot: interior points stay off bounds, and a robot should reach its own"""
+IDLE = 2
+"""inputs that do nothing, so that a stage has four. With other than a multiple of four, fatrop 1.1.8 reads beyond the
+end of its arrays while it restores feasibility (github.com/meco-group/fatrop/pull/51), which may crash the process."""
+WIDTH = 7 + IDLE
+"""variables per stage"""
 FATROP = {"tol": 1e-3, "mu_init": 0.1, "max_iter": 60, "print_level": 0}
 IPOPT = {"tol": 1e-3, "mu_init": 1e-2, "max_iter": 200, "print_level": 0, "sb": "yes"}
 
@@ -114,10 +119,10 @@ class OptimalControl:
         """to be written before each solution"""
         self.guess = np.zeros((n + 1, 7))
         """(N + 1, 7) x, y, theta, v, omega, a, alpha, to be written before each solution; the last inputs are unused"""
+        self._begin = np.zeros((n + 1, WIDTH))
         self._lower, self._upper = _bounds(shape, limits)
-        begin = self.guess.reshape(-1)[: len(self._lower)]
         self._solvers = [
-            _Solver(function, x0=begin, p=self._parameters, lbx=self._lower, ubx=self._upper)
+            _Solver(function, x0=self._begin, p=self._parameters, lbx=self._lower, ubx=self._upper)
             for function in solvers_of(shape, weights)
         ]
 
@@ -132,16 +137,14 @@ class OptimalControl:
         """
         # Fatrop takes down at its first solution which bounds are finite, and that must not change the next ones.
         bound = np.clip(box, -FAR, FAR)
-        self._lower[7::7], self._lower[8::7] = bound[0], bound[1]
-        self._upper[7::7], self._upper[8::7] = bound[2], bound[3]
+        self._lower[1:, :THETA], self._upper[1:, :THETA] = bound[:2], bound[2:]
+        self._begin[:, :-IDLE] = self.guess
         # Fatrop never returns from a NaN.
         if not (np.isfinite(self._parameters).all() and np.isfinite(self.guess).all()):
             return None
         for solver in self._solvers:
-            if solver.run():
-                plan = np.append(solver.plan, [0.0, 0.0]).reshape(-1, 7)
-                if np.isfinite(plan).all():
-                    return plan
+            if solver.run() and np.isfinite(solver.plan).all():
+                return solver.plan[:, :-IDLE].copy()
         return None
 
 
@@ -149,13 +152,14 @@ class _Solver:
     """A CasADi solver that reads and writes arrays in place, which saves the copies of a call."""
 
     def __init__(self, function: Any, **given: Array) -> None:
-        self.plan = np.zeros(function.size1_out("x"))
+        self.plan = np.zeros_like(given["x0"])
+        """(N + 1, WIDTH) the solution; the last stage has no inputs"""
         self._call, self._evaluate = function.buffer()
         # CasADi keeps addresses, not arrays.
         self._given = given
         for name, array in given.items():
-            self._call.set_arg(function.index_in(name), memoryview(array))
-        self._call.set_res(function.index_out("x"), memoryview(self.plan))
+            self._call.set_arg(function.index_in(name), _without_last_inputs(array))
+        self._call.set_res(function.index_out("x"), _without_last_inputs(self.plan))
 
     def run(self) -> bool:
         """True if it has converged."""
@@ -163,15 +167,21 @@ class _Solver:
         return bool(self._call.stats()["success"])
 
 
+def _without_last_inputs(array: Array) -> memoryview:
+    """The memory of an array, of a (N + 1, WIDTH) one only what a programme knows as variables."""
+    size = array.size - WIDTH + A if array.ndim == 2 else array.size
+    return memoryview(array.reshape(-1)[:size])  # type: ignore[arg-type]  # numpy does not say that it is a buffer
+
+
 def _bounds(shape: Shape, limits: Limits) -> tuple[Array, Array]:
-    """Least and greatest value of every variable; the first state is free of them, since it is given."""
+    """(N + 1, WIDTH) least and greatest values; the first state is free of them, since it is given."""
     _, max_speed, acceleration, rate, angular = limits
-    upper = np.tile([np.inf, np.inf, np.inf, ROOM * max_speed, rate, acceleration, angular], shape.stages + 1)
+    upper = np.full((shape.stages + 1, WIDTH), np.inf)
+    upper[:, V : ALPHA + 1] = ROOM * max_speed, rate, acceleration, angular
     lower = -upper
-    lower[V::7] = limits.min_speed
-    lower[:A], upper[:A] = -np.inf, np.inf
-    # The last stage has no inputs.
-    return lower[:-2].copy(), upper[:-2].copy()
+    lower[:, V] = limits.min_speed
+    lower[0, :A], upper[0, :A] = -np.inf, np.inf
+    return lower, upper
 
 
 @lru_cache(maxsize=8)
@@ -194,7 +204,7 @@ def programme_of(shape: Shape, weights: Weights) -> tuple[dict[str, Any], list[b
     discs = [[casadi.SX.sym(f"disc{k}_{j}", 2) for j in range(shape.discs)] for k in range(1, n + 1)]
     planes = [[casadi.SX.sym(f"plane{k}_{i}", 3) for i in range(shape.walls)] for k in range(1, n + 1)]
     states = [casadi.SX.sym(f"z{k}", 5) for k in range(n + 1)]
-    inputs = [casadi.SX.sym(f"u{k}", 2) for k in range(n)]
+    inputs = [casadi.SX.sym(f"u{k}", 2 + IDLE) for k in range(n)]
     cost: Any = 0.0
     equations, variables = [], []
     for k, z in enumerate(states):
@@ -203,7 +213,7 @@ def programme_of(shape: Shape, weights: Weights) -> tuple[dict[str, Any], list[b
         variables.append(z)
         if k < n:
             u = inputs[k]
-            rate += weights.acceleration * u[0] ** 2 + weights.angular_acceleration * u[1] ** 2
+            rate += weights.acceleration * u[0] ** 2 + weights.angular_acceleration * u[1] ** 2 + casadi.sumsqr(u[2:])
             variables.append(u)
             equations.append(states[k + 1] - _next(z, u, dt))
         if k == 0:
@@ -221,7 +231,7 @@ def _next(z: Any, u: Any, dt: float) -> Any:
 
     def rate(state: Any) -> Any:
         v, theta = state[V], state[THETA]
-        return casadi.vertcat(v * casadi.cos(theta), v * casadi.sin(theta), state[OMEGA], u)
+        return casadi.vertcat(v * casadi.cos(theta), v * casadi.sin(theta), state[OMEGA], u[:2])
 
     return z + dt * rate(z + 0.5 * dt * rate(z))
 
