@@ -35,8 +35,8 @@ FAR = 1e3
 ROOM = 1.02
 """by how much a plan may be faster than the robot: interior points stay off bounds, and a robot should reach its own"""
 IDLE = 2
-"""inputs that do nothing, so that a stage has four. With other than a multiple of four, fatrop 1.1.8 reads beyond the
-end of its arrays while it restores feasibility (github.com/meco-group/fatrop/pull/51), which may crash the process."""
+"""inputs that do nothing, so that a stage has four. With two alone, fatrop 1.1.8 reads beyond the end of its arrays
+while it restores feasibility, which can crash a process (github.com/meco-group/fatrop/pull/51 mends a similar read)."""
 WIDTH = 7 + IDLE
 """variables per stage"""
 FATROP = {"tol": 1e-3, "mu_init": 0.1, "max_iter": 60, "print_level": 0}
