@@ -2,7 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mount:
+    """A place on a robot's body where a sensor can sit, in the frame of its base (x ahead, y left, z up: REP 103)."""
+
+    position: tuple[float, float, float]
+    """ahead and to the left of the base's centre, and above the ground [m]"""
+    yaw: float = 0.0
+    """direction that the sensor faces, counter-clockwise from ahead [rad]"""
+    pitch: float = 0.0
+    """then about the sensor's own left: positive looks down [rad]"""
+
+    def __post_init__(self) -> None:
+        if not self.position[2] >= 0.0:
+            raise ValueError(f"position is {self.position}, expected a height, the third number, of zero or more")
+        if not abs(self.pitch) <= 0.5 * math.pi:
+            raise ValueError(f"pitch is {self.pitch}, expected from -pi/2 (straight up) to pi/2 (straight down)")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +45,8 @@ class RobotModel:
     """turn rate limit, either way [rad/s]"""
     max_angular_acceleration: float
     """limit of the turn rate's change [rad/s2]"""
+    mounts: Mapping[str, Mount] = field(default_factory=dict)
+    """name -> where a sensor of that mount sits"""
 
     def __post_init__(self) -> None:
         for name in ("radius", "height", "mass", "max_speed", "max_acceleration"):

@@ -19,8 +19,8 @@ from crowdcosim.component import ports_of
 from crowdcosim.interfaces.generate import own_messages
 from crowdcosim.loading import load_class
 from crowdcosim.messages import MESSAGES
+from crowdcosim.robots import Mount, Robot, RobotModel, Target
 from crowdcosim.robots import Pose as Place
-from crowdcosim.robots import Robot, RobotModel, Target
 from crowdcosim.setup import Setup
 from crowdcosim.world import Wall, World
 from orchestrator.field_docs import field_docs
@@ -41,7 +41,7 @@ SOURCES = {
 }
 """family -> shipped components in the table of ports"""
 
-PARTS = (Setup, World, Wall, Robot, RobotModel, Place, Target)
+PARTS = (Setup, World, Wall, Robot, RobotModel, Mount, Place, Target)
 """What the JSON of a setup is made of."""
 
 

@@ -157,6 +157,8 @@ def test_every_key_of_the_setup_is_explained() -> None:
     setup = json.loads(part("configure request").strip("`json\n"))["setup"]
     assert TypeAdapter(Setup).dump_python(TypeAdapter(Setup).validate_python(setup), mode="json") == setup
     explained = set(re.findall(r"^\| `(\w+)` \|", part("setup"), re.MULTILINE))
+    for robot in setup["robots"]:
+        robot["model"]["mounts"] = list(robot["model"]["mounts"].values())  # whose keys are names
     assert keys(setup) <= explained
 
 
