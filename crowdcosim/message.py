@@ -40,6 +40,7 @@ class Message:
     _ARRAYS: ClassVar[tuple[ArrayField, ...]] = ()
     _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = ()
     _NARROW: ClassVar[tuple[str, ...]] = ()
+    _MAY_BE_INFINITE: ClassVar[tuple[str, ...]] = ()
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
@@ -149,14 +150,17 @@ def check_finite(message: Message) -> None:
 @cache
 def _looks_finite(cls: type[Message]) -> Callable[[Message], bool]:
     """A quick test: False where a closer look is due. A sum of squares is finite only if every term is."""
-    scalars, arrays, infinite, sequences = _paths(cls, "")
-    get_scalars = attrgetter(*scalars, "TYPE") if scalars else None  # TYPE: so that there are always two at least
-    getters = [attrgetter(path) for path in arrays]
-    infinite_getters = [attrgetter(path) for path in infinite]
-    sequence_getters = [attrgetter(path) for path in sequences]
+    found = _paths(cls, "")
+    get_scalars = _getter(found.scalars)
+    get_infinite_scalars = _getter(found.infinite_scalars)
+    getters = [attrgetter(path) for path in found.arrays]
+    infinite_getters = [attrgetter(path) for path in found.infinite_arrays]
+    sequence_getters = [attrgetter(path) for path in found.sequences]
 
     def looks_finite(message: Message) -> bool:
         if get_scalars is not None and not math.isfinite(sum(get_scalars(message)[:-1])):
+            return False
+        if get_infinite_scalars is not None and math.isnan(sum(get_infinite_scalars(message)[:-1])):
             return False
         for get in getters:
             flat = get(message).reshape(-1)
@@ -171,27 +175,43 @@ def _looks_finite(cls: type[Message]) -> Callable[[Message], bool]:
     return looks_finite
 
 
-def _paths(cls: type[Message], prefix: str) -> tuple[list[str], list[str], list[str], list[str]]:
-    """Where a message type has float scalars, float arrays, such arrays that may be infinite, and sequences."""
+def _getter(paths: list[str]) -> attrgetter[tuple[Any, ...]] | None:
+    """Gets all of these and one more, so that there always is a tuple."""
+    return attrgetter(*paths, "TYPE") if paths else None
+
+
+class _Paths(NamedTuple):
+    """Where a message type has floats, by what the check does with them, and sequences."""
+
+    scalars: list[str]
+    infinite_scalars: list[str]
+    arrays: list[str]
+    infinite_arrays: list[str]
+    sequences: list[str]
+
+
+def _paths(cls: type[Message], prefix: str) -> _Paths:
     example = cls()
-    scalars, sequences = [], [prefix + s.name for s in cls._SEQUENCES]
-    arrays = [prefix + a.name for a in cls._ARRAYS if a.dtype.kind == "f" and not a.may_be_infinite]
-    infinite = [prefix + a.name for a in cls._ARRAYS if a.dtype.kind == "f" and a.may_be_infinite]
+    found = _Paths(
+        [],
+        [],
+        [prefix + a.name for a in cls._ARRAYS if a.dtype.kind == "f" and not a.may_be_infinite],
+        [prefix + a.name for a in cls._ARRAYS if a.dtype.kind == "f" and a.may_be_infinite],
+        [prefix + s.name for s in cls._SEQUENCES],
+    )
     for name in field_names(cls):
         value = getattr(example, name)
         if isinstance(value, float):
-            scalars.append(prefix + name)
+            (found.infinite_scalars if name in cls._MAY_BE_INFINITE else found.scalars).append(prefix + name)
         elif isinstance(value, Message):
-            for mine, inner in zip(
-                (scalars, arrays, infinite, sequences), _paths(type(value), f"{prefix}{name}."), strict=True
-            ):
+            for mine, inner in zip(found, _paths(type(value), f"{prefix}{name}."), strict=True):
                 mine.extend(inner)
-    return scalars, arrays, infinite, sequences
+    return found
 
 
 def _numbers(message: Message, path: str) -> Iterator[tuple[str, np.ndarray[Any, Any], bool]]:
     """Every float of a message: path, value as an array, and whether it may be infinite."""
-    infinite = {spec.name for spec in message._ARRAYS if spec.may_be_infinite}
+    infinite = {spec.name for spec in message._ARRAYS if spec.may_be_infinite} | set(message._MAY_BE_INFINITE)
     for name in field_names(type(message)):
         value = getattr(message, name)
         if isinstance(value, float) or (isinstance(value, np.ndarray) and value.dtype.kind == "f"):

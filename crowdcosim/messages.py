@@ -180,6 +180,82 @@ class Clock(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class RegionOfInterest(Message):
+    """The standard ROS 2 message `sensor_msgs/msg/RegionOfInterest`."""
+
+    TYPE: ClassVar[str] = "sensor_msgs/msg/RegionOfInterest"
+
+    x_offset: int = 0
+    y_offset: int = 0
+    height: int = 0
+    width: int = 0
+    do_rectify: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class CameraInfo(CoercedMessage):
+    """The standard ROS 2 message `sensor_msgs/msg/CameraInfo`."""
+
+    TYPE: ClassVar[str] = "sensor_msgs/msg/CameraInfo"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("d", np.dtype(np.float64), ("_",)),
+        ArrayField("k", np.dtype(np.float64), (9,)),
+        ArrayField("r", np.dtype(np.float64), (9,)),
+        ArrayField("p", np.dtype(np.float64), (12,)),
+    )
+
+    header: Header = field(default_factory=Header)
+    height: int = 0
+    width: int = 0
+    distortion_model: str = ""
+    d: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    k: NDArray[np.float64] = field(default_factory=lambda: np.zeros(9, np.float64))
+    r: NDArray[np.float64] = field(default_factory=lambda: np.zeros(9, np.float64))
+    p: NDArray[np.float64] = field(default_factory=lambda: np.zeros(12, np.float64))
+    binning_x: int = 0
+    binning_y: int = 0
+    roi: RegionOfInterest = field(default_factory=RegionOfInterest)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Image(CoercedMessage):
+    """The standard ROS 2 message `sensor_msgs/msg/Image`."""
+
+    TYPE: ClassVar[str] = "sensor_msgs/msg/Image"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("data", np.dtype(np.uint8), ("_",)),
+    )
+
+    header: Header = field(default_factory=Header)
+    height: int = 0
+    width: int = 0
+    encoding: str = ""
+    is_bigendian: int = 0
+    step: int = 0
+    data: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Imu(CoercedMessage):
+    """The standard ROS 2 message `sensor_msgs/msg/Imu`."""
+
+    TYPE: ClassVar[str] = "sensor_msgs/msg/Imu"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("orientation_covariance", np.dtype(np.float64), (9,)),
+        ArrayField("angular_velocity_covariance", np.dtype(np.float64), (9,)),
+        ArrayField("linear_acceleration_covariance", np.dtype(np.float64), (9,)),
+    )
+
+    header: Header = field(default_factory=Header)
+    orientation: Quaternion = field(default_factory=Quaternion)
+    orientation_covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(9, np.float64))
+    angular_velocity: Vector3 = field(default_factory=Vector3)
+    angular_velocity_covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(9, np.float64))
+    linear_acceleration: Vector3 = field(default_factory=Vector3)
+    linear_acceleration_covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(9, np.float64))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
 class LaserScan(CoercedMessage):
     """The standard ROS 2 message `sensor_msgs/msg/LaserScan`."""
 
@@ -208,6 +284,76 @@ class LaserScan(CoercedMessage):
     range_max: float = 0.0
     ranges: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
     intensities: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class PointField(Message):
+    """The standard ROS 2 message `sensor_msgs/msg/PointField`."""
+
+    TYPE: ClassVar[str] = "sensor_msgs/msg/PointField"
+    INT8: ClassVar[int] = 1
+    UINT8: ClassVar[int] = 2
+    INT16: ClassVar[int] = 3
+    UINT16: ClassVar[int] = 4
+    INT32: ClassVar[int] = 5
+    UINT32: ClassVar[int] = 6
+    FLOAT32: ClassVar[int] = 7
+    FLOAT64: ClassVar[int] = 8
+
+    name: str = ""
+    offset: int = 0
+    datatype: int = 0
+    count: int = 0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class PointCloud2(CoercedMessage):
+    """The standard ROS 2 message `sensor_msgs/msg/PointCloud2`."""
+
+    TYPE: ClassVar[str] = "sensor_msgs/msg/PointCloud2"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("data", np.dtype(np.uint8), ("_",)),
+    )
+    _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = (
+        SequenceField("fields", "_"),
+    )
+
+    header: Header = field(default_factory=Header)
+    height: int = 0
+    width: int = 0
+    fields: tuple[PointField, ...] = ()
+    is_bigendian: bool = False
+    point_step: int = 0
+    row_step: int = 0
+    data: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    is_dense: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Range(CoercedMessage):
+    """The standard ROS 2 message `sensor_msgs/msg/Range`."""
+
+    TYPE: ClassVar[str] = "sensor_msgs/msg/Range"
+    ULTRASOUND: ClassVar[int] = 0
+    INFRARED: ClassVar[int] = 1
+    _NARROW: ClassVar[tuple[str, ...]] = (
+        "field_of_view",
+        "min_range",
+        "max_range",
+        "range",
+        "variance",
+    )
+    _MAY_BE_INFINITE: ClassVar[tuple[str, ...]] = (
+        "range",
+    )
+
+    header: Header = field(default_factory=Header)
+    radiation_type: int = 0
+    field_of_view: float = 0.0
+    min_range: float = 0.0
+    max_range: float = 0.0
+    range: float = 0.0
+    variance: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
@@ -311,6 +457,7 @@ class Crowd(CoercedMessage):
     TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Crowd"
     _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
         ArrayField("id", np.dtype(np.uint32), ("N",)),
+        ArrayField("group", np.dtype(np.uint32), ("N",)),
         ArrayField("position", np.dtype(np.float64), ("N", 2)),
         ArrayField("velocity", np.dtype(np.float64), ("N", 2)),
         ArrayField("heading", np.dtype(np.float64), ("N",)),
@@ -318,12 +465,15 @@ class Crowd(CoercedMessage):
         ArrayField("stature", np.dtype(np.float64), ("N",)),
         ArrayField("mass", np.dtype(np.float64), ("N",)),
         ArrayField("gait_phase", np.dtype(np.float64), ("N",)),
+        ArrayField("gait_speed", np.dtype(np.float64), ("N",)),
     )
 
     header: Header = field(default_factory=Header)
     """time of this state; frame map"""
     id: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
     """(N,) who, unique and at least 1 (0 means nobody)"""
+    group: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
+    """(N,) the social group they walk with, from 1; 0: alone"""
     position: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
     """(N, 2) centres [m]"""
     velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
@@ -338,6 +488,38 @@ class Crowd(CoercedMessage):
     """(N,) body mass [kg]"""
     gait_phase: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
     """(N,) phase of the walk, 0 to 1 [cycles]"""
+    gait_speed: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N,) speed that the steps are made for: that of the velocity, smoothed [m/s]"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Detections(CoercedMessage):
+    """People as a sensor or tracker reports them: a structure of arrays over N detections."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Detections"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("track", np.dtype(np.uint32), ("N",)),
+        ArrayField("position", np.dtype(np.float64), ("N", 2)),
+        ArrayField("velocity", np.dtype(np.float64), ("N", 2)),
+        ArrayField("radius", np.dtype(np.float64), ("N",)),
+        ArrayField("position_deviation", np.dtype(np.float64), ("N",)),
+        ArrayField("velocity_deviation", np.dtype(np.float64), ("N",)),
+    )
+
+    header: Header = field(default_factory=Header)
+    """time and frame of the positions, usually a robot's base_link"""
+    track: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
+    """(N,) number under which the reporter follows this person, from 1; 0: it does not"""
+    position: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N, 2) centres, seen from the frame [m]"""
+    velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N, 2) velocities over the ground, along the frame's axes, 0 where not known [m/s]"""
+    radius: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N,) radius of the disc to keep clear of [m]"""
+    position_deviation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N,) standard deviation of each coordinate of the position [m]"""
+    velocity_deviation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(N,) standard deviation of each coordinate of the velocity; 0 with zero velocity: not known [m/s]"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
@@ -356,6 +538,29 @@ class Done(Message):
     """empty if ok"""
     elapsed: int = 0
     """wall-clock time of the component's own work [ns]"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class EncoderTicks(CoercedMessage):
+    """Counts of the encoders of W wheels since the start of the episode."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/EncoderTicks"
+    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
+        ArrayField("ticks", np.dtype(np.int64), ("W",)),
+        ArrayField("ticks_per_turn", np.dtype(np.float64), ("W",)),
+    )
+    _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = (
+        SequenceField("wheel", "W"),
+    )
+
+    header: Header = field(default_factory=Header)
+    """time of the reading; frame of the robot's base"""
+    wheel: tuple[str, ...] = ()
+    """(W,) which wheel"""
+    ticks: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    """(W,) count, negative after more turns backwards than forwards"""
+    ticks_per_turn: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(W,) counts in one turn of the wheel"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
@@ -408,6 +613,21 @@ class Metrics(CoercedMessage):
     """(M,) false where the run gives no such value"""
     reason: tuple[str, ...] = ()
     """(M,) why it is not valid, else empty"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class Ranges(CoercedMessage):
+    """One reading of a ring of range finders."""
+
+    TYPE: ClassVar[str] = "crowdcosim_msgs/msg/Ranges"
+    _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = (
+        SequenceField("ranges", "R"),
+    )
+
+    header: Header = field(default_factory=Header)
+    """time of the reading; frame of the robot's base"""
+    ranges: tuple[Range, ...] = ()
+    """(R,) one per range finder, each with its own frame"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
@@ -476,14 +696,24 @@ MESSAGES: dict[str, type[Message]] = {
     Odometry.TYPE: Odometry,
     Path.TYPE: Path,
     Clock.TYPE: Clock,
+    RegionOfInterest.TYPE: RegionOfInterest,
+    CameraInfo.TYPE: CameraInfo,
+    Image.TYPE: Image,
+    Imu.TYPE: Imu,
     LaserScan.TYPE: LaserScan,
+    PointField.TYPE: PointField,
+    PointCloud2.TYPE: PointCloud2,
+    Range.TYPE: Range,
     TFMessage.TYPE: TFMessage,
     BeamAgents.TYPE: BeamAgents,
     Contacts.TYPE: Contacts,
     Crowd.TYPE: Crowd,
+    Detections.TYPE: Detections,
     Done.TYPE: Done,
+    EncoderTicks.TYPE: EncoderTicks,
     Goal.TYPE: Goal,
     Metrics.TYPE: Metrics,
+    Ranges.TYPE: Ranges,
     RobotState.TYPE: RobotState,
     Tick.TYPE: Tick,
 }

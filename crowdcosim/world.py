@@ -1,4 +1,4 @@
-"""The ground plane: its extent, its walls, and where it wraps around."""
+"""The ground plane: its extent, its walls and obstacles, and where it wraps around."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
+from crowdcosim.obstacles import HEIGHT, Obstacle, inside
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,6 +21,12 @@ class Wall:
     """other end (x, y) [m]"""
     stops_people: bool = True
     """False: people walk through it, robots do not (the paper's corridor)"""
+    height: float = HEIGHT
+    """above the floor [m]"""
+
+    def __post_init__(self) -> None:
+        if not self.height > 0:
+            raise ValueError(f"height is {self.height}, expected a positive number")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +39,8 @@ class World:
     """axes along which people who leave re-enter at the opposite side, and are felt and seen across the seam"""
     walls: tuple[Wall, ...] = ()
     """all walls, numbered from 1 in this order"""
+    obstacles: tuple[Obstacle, ...] = ()
+    """boxes, discs and polygons that nothing goes through, numbered on after the walls"""
 
     @cached_property
     def period(self) -> NDArray[np.float64]:
@@ -38,14 +48,42 @@ class World:
         return np.where(self.periodic, np.asarray(self.size, np.float64), 0.0)
 
     @cached_property
+    def outlines(self) -> tuple[NDArray[np.float64], ...]:
+        """(K, 2) corners of each obstacle, counter-clockwise [m]."""
+        return tuple(obstacle.outline for obstacle in self.obstacles)
+
+    @cached_property
     def segments(self) -> NDArray[np.float64]:
-        """(W, 2, 2) both ends of every wall [m]."""
-        return np.array([(w.start, w.end) for w in self.walls], np.float64).reshape(-1, 2, 2)
+        """(W, 2, 2) both ends of every wall and of every obstacle's edges [m]; what is solid is on an edge's left."""
+        walls = np.array([(w.start, w.end) for w in self.walls], np.float64).reshape(-1, 2, 2)
+        return np.concatenate([walls, *(np.stack([o, np.roll(o, -1, axis=0)], axis=1) for o in self.outlines)])
+
+    @cached_property
+    def segment_numbers(self) -> NDArray[np.uint32]:
+        """(W,) number of the wall or obstacle that each of `segments` belongs to."""
+        edges = [1] * len(self.walls) + [len(outline) for outline in self.outlines]
+        return np.repeat(np.arange(1, len(edges) + 1, dtype=np.uint32), edges)
+
+    @cached_property
+    def segment_heights(self) -> NDArray[np.float64]:
+        """(W,) how high each of `segments` is [m]."""
+        heights = np.array([thing.height for thing in (*self.walls, *self.obstacles)], np.float64)
+        return heights[self.segment_numbers.astype(np.intp) - 1]
 
     @cached_property
     def segments_for_people(self) -> NDArray[np.float64]:
-        """(W', 2, 2) both ends of the walls that stop people [m]."""
-        return self.segments[[w.stops_people for w in self.walls]].reshape(-1, 2, 2)
+        """(W', 2, 2) both ends of the walls that stop people, and of all obstacles' edges [m]."""
+        stops = np.ones(len(self.segments), np.bool_)
+        stops[: len(self.walls)] = [w.stops_people for w in self.walls]
+        return np.ascontiguousarray(self.segments[stops])
+
+    def obstructed(self, position: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(N,) True for the points (N, 2) [m] that are inside an obstacle, or inside its image across a seam."""
+        blocked = np.zeros(len(position), np.bool_)
+        for outline in self.outlines:
+            middle = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
+            blocked |= inside(outline, middle + self.displacement(middle, position))
+        return blocked
 
     @cached_property
     def _divisor(self) -> NDArray[np.float64]:

@@ -62,6 +62,7 @@ VECTORS: tuple[tuple[str, Message], ...] = (
         Crowd(
             header=HEADER,
             id=[1, 7],
+            group=[0, 1],
             position=[[12.5, 3.0], [0.25, 9.75]],
             velocity=[[-1.25, 0.0], [-1.0, 0.125]],
             heading=[3.140625, -3.0],
@@ -69,6 +70,7 @@ VECTORS: tuple[tuple[str, Message], ...] = (
             stature=[1.75, 1.625],
             mass=[80.0, 62.5],
             gait_phase=[0.0, 0.75],
+            gait_speed=[1.25, 1.0],
         ),
     ),
     ("Nobody", Crowd(header=HEADER)),

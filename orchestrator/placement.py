@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crowdcosim import goal
 from crowdcosim.messages import Goal
@@ -15,13 +16,16 @@ from orchestrator.problems import Problem, key_path
 from orchestrator.scenario_file import WorldEntry
 from orchestrator.yaml_tree import Node
 
+Array = NDArray[np.float64]
+
 _UNIT = 1e-6
 """how far a direction's length may be from 1: seven written digits reach it"""
 
 
 def world_of(entry: WorldEntry) -> World:
     """The world with the walls that its boundary stands for, after its own."""
-    return World(size=entry.size, periodic=entry.periodic, walls=entry.walls + boundary(entry))
+    walls = entry.walls + boundary(entry)
+    return World(size=entry.size, periodic=entry.periodic, walls=walls, obstacles=entry.obstacles)
 
 
 def boundary(entry: WorldEntry) -> tuple[Wall, ...]:
@@ -51,7 +55,7 @@ def placement_problems(world: World, robots: tuple[Robot, ...], tree: Node) -> l
     ]
     for robot in robots:
         problems += [problem(text, "robots", robot.name, "start") for text in _start_problems(world, robot)]
-        goal_problems = list(_goal_problems(robot.goal)) or list(_task_problems(robot))
+        goal_problems = list(_goal_problems(world, robot.goal)) or list(_task_problems(robot))
         problems += [problem(text, "robots", robot.name, "goal", *key) for text, *key in goal_problems]
     for first, second in combinations(robots, 2):
         gap = np.hypot(first.start.x - second.start.x, first.start.y - second.start.y)
@@ -69,20 +73,25 @@ def _start_problems(world: World, robot: Robot) -> Iterator[str]:
         width, depth = world.size
         yield f"found ({x:g}, {y:g}), expected a point in the world: x from 0 to {width:g}, y from 0 to {depth:g}"
         return
-    for wall in world.walls:
-        gap = _distance(wall, x, y)
+    if world.obstructed(np.array([[x, y]]))[0]:
+        yield f"found ({x:g}, {y:g}), which is inside an obstacle, expected a free place"
+        return
+    for start, end in world.segments:
+        gap = _distance(start, end, np.array([x, y]))
         if gap < robot.model.radius:
             yield (
-                f"the robot stands in the wall from {list(wall.start)} to {list(wall.end)}: it is {gap:.3g} m from "
+                f"the robot stands in the wall from {start.tolist()} to {end.tolist()}: it is {gap:.3g} m from "
                 f"({x:g}, {y:g}), expected at least the robot's radius, {robot.model.radius:g} m"
             )
 
 
-def _goal_problems(target: Target) -> Iterator[tuple[str, ...]]:
+def _goal_problems(world: World, target: Target) -> Iterator[tuple[str, ...]]:
     length = float(np.hypot(*target.direction))
     if target.direction == (0.0, 0.0):
         if not target.tolerance > 0:
             yield f"found {target.tolerance:g}, expected more than 0", "tolerance"
+        if world.obstructed(np.array([[target.x, target.y]]))[0]:
+            yield (f"found ({target.x:g}, {target.y:g}), which is inside an obstacle, expected a free place",)
     elif abs(length - 1.0) > _UNIT:
         unit = [round(component / length, 7) for component in target.direction]
         yield f"found a vector of length {length:.7g}, expected a unit vector such as {unit}, or [0, 0]", "direction"
@@ -95,9 +104,8 @@ def _task_problems(robot: Robot) -> Iterator[tuple[str, ...]]:
         yield (f"the robot has reached it where it starts, at ({robot.start.x:g}, {robot.start.y:g})",)
 
 
-def _distance(wall: Wall, x: float, y: float) -> float:
-    """From a point to a wall [m]."""
-    start, end, point = np.array(wall.start), np.array(wall.end), np.array([x, y])
+def _distance(start: Array, end: Array, point: Array) -> float:
+    """From a point (2,) to a wall between two others [m]."""
     along = end - start
-    share = np.clip((point - start) @ along / max(along @ along, np.finfo(float).tiny), 0.0, 1.0)
+    share = np.clip((point - start) @ along / max(float(along @ along), np.finfo(float).tiny), 0.0, 1.0)
     return float(np.hypot(*(start + share * along - point)))

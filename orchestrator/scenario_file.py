@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter
 
+from crowdcosim.obstacles import Obstacle
 from crowdcosim.robots import Pose, RobotModel, Target
 from crowdcosim.world import Wall, World
 
@@ -88,6 +89,8 @@ class WorldEntry:
     """walls along the four edges that stop nobody, robots only, or people too (not along the periodic axes)"""
     walls: tuple[Wall, ...] = ()
     """further walls"""
+    obstacles: tuple[Obstacle, ...] = ()
+    """boxes, discs and polygons that nothing goes through"""
 
 
 @dataclass(frozen=True, kw_only=True)

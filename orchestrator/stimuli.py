@@ -91,6 +91,7 @@ def _crowd(header: Header, time: float) -> Crowd:
     return Crowd(
         header=header,
         id=np.arange(1, n + 1, dtype=np.uint32),
+        group=np.zeros(n, np.uint32),
         position=WORLD.wrap(start + velocity * time),
         velocity=velocity,
         heading=np.full(n, math.pi),
@@ -98,6 +99,7 @@ def _crowd(header: Header, time: float) -> Crowd:
         stature=np.full(n, 1.7),
         mass=np.full(n, 70.0),
         gait_phase=(time * np.linspace(0.8, 1.0, n)) % 1.0,
+        gait_speed=speed,
     )
 
 

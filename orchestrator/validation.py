@@ -114,7 +114,7 @@ class _Explainer:
         """What was found, and what was expected."""
         kind = error["type"]
         if kind in _UNKNOWN:
-            known = _properties(self._schema, path[:-1])
+            known = {k: v for k, v in _properties(self._schema, path[:-1]).items() if k != path[-1]}
             hint = near_miss(path[-1], known) or f"; known here: {', '.join(known) or 'none'}"
             if "config" in known:
                 hint += "; a component's own options stand under `config`"
@@ -124,6 +124,8 @@ class _Explainer:
         if kind == "value_error":
             return str(error["ctx"]["error"]), ""
         value = error["input"]
+        if kind in ("union_tag_invalid", "union_tag_not_found"):
+            return self._untagged(error)
         if kind == "too_long" and error["ctx"].get("field_type") == "Tuple":
             return f"found a list of {len(value)}", f"a list of {error['ctx']['max_length']}"
         if kind not in _EXPECTED:
@@ -133,6 +135,15 @@ class _Explainer:
             context["form"] = FORMS.get(pattern, f"text of the form {pattern}")
         choices = re.findall(r"'([^']*)'", context["expected"]) if kind == "literal_error" else []
         return f"found {shown(value)}", _EXPECTED[kind].format(**context) + near_miss(value, choices)
+
+    def _untagged(self, error: ErrorDetails) -> tuple[str, str]:
+        """A mapping of which one key says what it is, and that key is missing or wrong."""
+        key = error["ctx"]["discriminator"].strip("'")
+        choices = re.findall(r"'([^']*)'", error["ctx"].get("expected_tags", ""))
+        if not choices:
+            return f"key '{key}' is missing", "it to say what this is"
+        tag = error["ctx"]["tag"]
+        return f"found {key} '{tag}'", " or ".join(f"'{c}'" for c in choices) + near_miss(tag, choices)
 
     def _missing(self, error: ErrorDetails, path: tuple[str | int, ...]) -> tuple[str, str]:
         if isinstance(error["loc"][-1], int):
@@ -176,8 +187,14 @@ def _at(schema: dict[str, Any], path: Iterable[str | int]) -> dict[str, Any]:
 
 
 def _followed(part: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
-    """A part of a schema with its reference followed; of several choices, the first that is a mapping."""
+    """A part of a schema with its reference followed.
+
+    Of several choices it is the first that is a mapping; of those that one key tells apart, all of their keys.
+    """
     while "$ref" in part:
         part = schema["$defs"][part["$ref"].removeprefix("#/$defs/")]
+    if "oneOf" in part:
+        members = [_followed(choice, schema) for choice in part["oneOf"]]
+        return {"type": "object", "properties": {k: v for m in members for k, v in m.get("properties", {}).items()}}
     choices = [_followed(choice, schema) for choice in part.get("anyOf", [])]
     return next((c for c in choices if "properties" in c), choices[0] if choices else part)

@@ -136,6 +136,7 @@ class CrowdModel(Mover):
         bodies = draw_bodies(setup.rng(BODIES), count)
         self._people = {
             "id": _read_only(np.arange(1, count + 1, dtype=np.uint32)),
+            "group": _read_only(np.zeros(count, np.uint32)),
             "radius": _read_only(np.full(count, config.radius, np.float64)),
             "stature": _read_only(bodies.stature),
             "mass": _read_only(bodies.mass),
@@ -213,6 +214,7 @@ class CrowdModel(Mover):
             velocity=_read_only(state.velocity),
             heading=_read_only(state.heading),
             gait_phase=_read_only(state.phase),
+            gait_speed=_read_only(state.pace),
             **self._people,
         )
 

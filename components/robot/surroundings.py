@@ -66,8 +66,8 @@ class Surroundings:
         self._obstacle_of: dict[pymunk.Shape, Obstacle] = {}
         self._fastest = 0.0
         self._count = 0
-        for number, wall in enumerate(world.walls, 1):
-            segment = pymunk.Segment(self._space.static_body, wall.start, wall.end, radius=0.0)
+        for number, (start, end) in zip(world.segment_numbers.tolist(), world.segments.tolist(), strict=True):
+            segment = pymunk.Segment(self._space.static_body, start, end, radius=0.0)
             segment.filter = _TOGETHER
             self._space.add(segment)
             self._obstacle_of[segment] = Obstacle(kind=Contacts.WALL, agent=number)

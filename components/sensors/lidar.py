@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from components.sensors.scan import Beams, Cylinders, People, Pose, scan
+from components.sensors.scan import Beams, Cylinders, People, Pose, Walls, scan
 from crowdcosim.component import Sensor
 from crowdcosim.messages import BeamAgents, Crowd, Header, LaserScan, RobotState
 from crowdcosim.setup import Setup, nanoseconds_of
@@ -85,7 +85,8 @@ class Lidar(Sensor):
 
     def reset(self, setup: Setup) -> None:
         self._setup = setup
-        self._walls = setup.world.segments
+        seen = setup.world.segment_heights >= self.config.position[2]
+        self._walls = Walls(setup.world.segment_numbers[seen], setup.world.segments[seen])
         self._period = setup.world.period
         self._height_of = {robot.name: robot.model.height for robot in setup.robots}
         self._number_of = {robot.name: robot.number for robot in setup.robots}

@@ -89,6 +89,15 @@ class Cylinders(NamedTuple):
     """(N,) [m]"""
 
 
+class Walls(NamedTuple):
+    """Walls and edges of obstacles that are as high as the scanner."""
+
+    number: NDArray[np.uint32]
+    """(W,) of the wall or obstacle, from 1"""
+    ends: NDArray[np.float64]
+    """(W, 2, 2) both ends [m]"""
+
+
 class Hits(NamedTuple):
     """What each beam meets first."""
 
@@ -107,13 +116,13 @@ def scan(
     beams: Beams,
     pose: Pose,
     period: NDArray[np.float64],
-    walls: NDArray[np.float64],
+    walls: Walls,
     people: People,
     robots: Cylinders,
 ) -> Hits:
     """What each beam meets first; of two at the same distance the wall, then the person, then whoever is listed first.
 
-    `period`: (2,) of the map [m], 0 along an axis that does not wrap around; `walls`: (W, 2, 2) their ends [m].
+    `period`: (2,) of the map [m], 0 along an axis that does not wrap around.
     """
     count = len(beams.directions)
     hits = Hits(
@@ -122,8 +131,8 @@ def scan(
         np.zeros(count, np.uint32),
         np.full(count, NO_PART, np.uint8),
     )
-    for number in range(len(walls)):
-        _wall(beams, pose, walls[number], number + 1, hits)
+    for index in range(len(walls.number)):
+        _wall(beams, pose, walls.ends[index], walls.number[index], hits)
     _people(beams, pose, period, people, hits)
     _robots(beams, pose, period, robots, hits)
     return hits

@@ -29,12 +29,19 @@ STANDARD = (
     "nav_msgs/msg/Odometry",
     "nav_msgs/msg/Path",
     "rosgraph_msgs/msg/Clock",
+    "sensor_msgs/msg/RegionOfInterest",
+    "sensor_msgs/msg/CameraInfo",
+    "sensor_msgs/msg/Image",
+    "sensor_msgs/msg/Imu",
     "sensor_msgs/msg/LaserScan",
+    "sensor_msgs/msg/PointField",
+    "sensor_msgs/msg/PointCloud2",
+    "sensor_msgs/msg/Range",
     "tf2_msgs/msg/TFMessage",
 )
 """Standard ROS 2 (Jazzy) types, in order of dependency."""
 
-MAY_BE_INFINITE = {"LaserScan": ("ranges",)}
+MAY_BE_INFINITE = {"LaserScan": ("ranges",), "Range": ("range",)}
 """Fields in which infinity has a meaning (REP 117: no return within range). NaN never has one."""
 
 HEADER = '''"""The messages that components exchange: typed, frozen, checked when made.
@@ -87,6 +94,7 @@ def python_class(typename: str, text: str | None) -> str:
     body = [f'    """{summary}"""', "", f'    TYPE: ClassVar[str] = "{typename}"']
     body += [f"    {c}: ClassVar[int] = {value}" for c, _, value in constants]
     arrays, sequences, narrow, declared = [], [], [], []
+    may_be_infinite = MAY_BE_INFINITE.get(name, ())
     for field_name, (node, detail) in fields:
         note = notes.get(field_name, Note((), ""))
         annotation, default = field_type(node, detail)
@@ -94,8 +102,7 @@ def python_class(typename: str, text: str | None) -> str:
             (item_node, item), count = detail
             if item_node is Nodetype.BASE and item[0] != "string":
                 shape = note.shape or ((str(count),) if node is Nodetype.ARRAY else ("_",))
-                infinite = field_name in MAY_BE_INFINITE.get(name, ())
-                arrays.append(array_field(field_name, item[0], shape, infinite))
+                arrays.append(array_field(field_name, item[0], shape, field_name in may_be_infinite))
             else:
                 sequences.append(f'SequenceField("{field_name}", "{note.shape[0] if note.shape else "_"}")')
         elif node is Nodetype.BASE and detail[0] == "float32":
@@ -106,6 +113,8 @@ def python_class(typename: str, text: str | None) -> str:
     body += [f"    _ARRAYS: ClassVar[tuple[ArrayField, ...]] = {tuple_source(arrays)}"] if arrays else []
     body += [f"    _SEQUENCES: ClassVar[tuple[SequenceField, ...]] = {tuple_source(sequences)}"] if sequences else []
     body += [f"    _NARROW: ClassVar[tuple[str, ...]] = {tuple_source(narrow)}"] if narrow else []
+    infinite = [f'"{f}"' for f, (node, _) in fields if node is Nodetype.BASE and f in may_be_infinite]
+    body += [f"    _MAY_BE_INFINITE: ClassVar[tuple[str, ...]] = {tuple_source(infinite)}"] if infinite else []
     decorator = "@dataclass(frozen=True, kw_only=True, eq=False, slots=True)"
     base = "CoercedMessage" if arrays or sequences or narrow else "Message"
     return "\n".join([decorator, f"class {name}({base}):", *body, "", *declared])

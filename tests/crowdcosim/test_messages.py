@@ -21,6 +21,8 @@ from crowdcosim.messages import (
     LaserScan,
     Metrics,
     Odometry,
+    Range,
+    Ranges,
     RobotState,
     Time,
     Twist,
@@ -35,6 +37,7 @@ def crowd(n: int) -> Crowd:
     return Crowd(
         header=Header(stamp=Time(sec=3, nanosec=7), frame_id="map"),
         id=np.arange(1, n + 1, dtype=np.uint32),
+        group=np.zeros(n, np.uint32),
         position=np.stack([column, column + 0.5], axis=1),
         velocity=np.zeros((n, 2)),
         heading=column,
@@ -42,6 +45,7 @@ def crowd(n: int) -> Crowd:
         stature=column,
         mass=column,
         gait_phase=column,
+        gait_speed=column,
     )
 
 
@@ -125,7 +129,7 @@ def test_float32_fields_are_rounded_when_made() -> None:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: Crowd(id=[1], position=[[0, 0], [1, 1]]), ["Crowd.position", "2 rows", "1"]),
+        (lambda: Crowd(id=[1], group=[0], position=[[0, 0], [1, 1]]), ["Crowd.position", "2 rows", "1"]),
         (lambda: Crowd(position=[[0, 0, 0]]), ["Crowd.position", "(N, 2)"]),
         (lambda: RobotState(position=[1, 2, 3]), ["RobotState.position", "(2)", "3"]),
         (lambda: BeamAgents(kind=[1.5], agent=[0]), ["BeamAgents.kind", "uint8"]),
@@ -166,8 +170,12 @@ def test_a_truncated_message_is_refused(length: int) -> None:
 
 def test_not_finite_values_are_found_wherever_they_are() -> None:
     check_finite(LaserScan(ranges=[math.inf]))
+    check_finite(Range(range=-math.inf))
     for message, name in (
         (LaserScan(ranges=[math.nan]), "LaserScan.ranges[0]"),
+        (Range(range=math.nan), "Range.range"),
+        (Range(variance=math.inf), "Range.variance"),
+        (Ranges(ranges=(Range(range=math.nan),)), "Ranges.ranges[0].range"),
         (Twist(angular=Vector3(z=math.inf)), "Twist.angular.z"),
         (Crowd(id=[1], position=[[0, math.nan]], **_ones(1)), "Crowd.position[0, 1]"),
     ):
@@ -177,6 +185,7 @@ def test_not_finite_values_are_found_wherever_they_are() -> None:
 
 
 def _ones(n: int) -> dict[str, np.ndarray]:
-    return {name: np.ones(n) for name in ("heading", "radius", "stature", "mass", "gait_phase")} | {
-        "velocity": np.ones((n, 2))
+    return {name: np.ones(n) for name in ("heading", "radius", "stature", "mass", "gait_phase", "gait_speed")} | {
+        "velocity": np.ones((n, 2)),
+        "group": np.ones(n, np.uint32),
     }

@@ -67,8 +67,8 @@ class Walker(Mover):
     def crowd(self) -> Crowd:
         one = [1.0]
         return Crowd(
-            id=[1], position=[[self.x, 1.0]], velocity=[[1.0, 0.0]], heading=one, radius=one, stature=one, mass=one,
-            gait_phase=one,
+            id=[1], group=[0], position=[[self.x, 1.0]], velocity=[[1.0, 0.0]], heading=one, radius=one, stature=one,
+            mass=one, gait_phase=one, gait_speed=one,
         )
 """
     )

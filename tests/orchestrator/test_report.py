@@ -352,8 +352,9 @@ def log(folder: Path) -> Path:
     recorder = Recorder(path, CHANNELS, attachments=attachments, metadata={"run": {"seed": "1", "numpy": "2.4.6"}})
     for k in range(3):
         x, time = 43.5 + k, k * 100_000_000
-        person: dict[str, Any] = {name: [0.0] for name in ("heading", "radius", "stature", "mass", "gait_phase")}
-        crowd = Crowd(id=[1], position=[[x, 8.0]], velocity=[[0.0, 0.0]], **person)
+        names = ("heading", "radius", "stature", "mass", "gait_phase", "gait_speed")
+        person: dict[str, Any] = {name: [0.0] for name in names}
+        crowd = Crowd(id=[1], group=[0], position=[[x, 8.0]], velocity=[[0.0, 0.0]], **person)
         robot = RobotState(name="robot", position=[x, 5.0], heading=np.pi, velocity=[10.0, 0.0])
         contacts = report([1], [0.0]) if k == 2 else report([], [])
         recorder.add(

@@ -69,6 +69,7 @@ class Scene:
         n = len(position)
         return Crowd(
             id=np.arange(1, n + 1),
+            group=np.zeros(n, np.uint32),
             position=np.array(position, np.float64).reshape(n, 2),
             velocity=np.broadcast_to(np.asarray(velocity, np.float64), (n, 2)),
             heading=np.zeros(n),
@@ -76,6 +77,7 @@ class Scene:
             stature=np.full(n, 1.7),
             mass=np.full(n, 70.0),
             gait_phase=np.zeros(n),
+            gait_speed=np.zeros(n),
         )
 
     def random_crowd(self, seed: int, count: int) -> Crowd:

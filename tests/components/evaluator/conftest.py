@@ -37,6 +37,7 @@ class Scene:
         n = len(position)
         return Crowd(
             id=np.arange(1, n + 1) if ids is None else ids,
+            group=np.zeros(n, np.uint32),
             position=position,
             velocity=np.zeros((n, 2)) if velocity is None else velocity,
             heading=np.zeros(n) if heading is None else heading,
@@ -44,6 +45,7 @@ class Scene:
             stature=np.full(n, 1.7),
             mass=np.full(n, 70.0),
             gait_phase=np.zeros(n),
+            gait_speed=np.zeros(n),
         )
 
     def robot(

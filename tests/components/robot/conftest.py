@@ -58,6 +58,7 @@ def _people(*rows: tuple[float, float, float, float], stature: float = 1.75) -> 
     n = len(table)
     return Crowd(
         id=np.arange(101, 101 + n),
+        group=np.zeros(n, np.uint32),
         position=table[:, :2],
         velocity=table[:, 2:],
         heading=np.zeros(n),
@@ -65,6 +66,7 @@ def _people(*rows: tuple[float, float, float, float], stature: float = 1.75) -> 
         stature=np.full(n, stature),
         mass=np.full(n, 70.0),
         gait_phase=np.zeros(n),
+        gait_speed=np.zeros(n),
     )
 
 

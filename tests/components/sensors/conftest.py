@@ -61,6 +61,7 @@ def _people(*rows: tuple[float, float], heading: float = 0.0, stature: float = 1
     n = len(rows)
     return Crowd(
         id=np.arange(101, 101 + n),
+        group=np.zeros(n, np.uint32),
         position=np.array(rows, np.float64).reshape(-1, 2),
         velocity=np.zeros((n, 2)),
         heading=np.full(n, heading),
@@ -68,6 +69,7 @@ def _people(*rows: tuple[float, float], heading: float = 0.0, stature: float = 1
         stature=np.full(n, stature),
         mass=np.full(n, 70.0),
         gait_phase=np.zeros(n),
+        gait_speed=np.zeros(n),
     )
 
 

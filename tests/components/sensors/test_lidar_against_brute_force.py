@@ -127,6 +127,7 @@ def walkers(rows):
     n = len(table)
     return Crowd(
         id=np.arange(101, 101 + n),
+        group=np.zeros(n, np.uint32),
         position=table[:, 0:2],
         velocity=table[:, 2:4],
         heading=2 * np.pi * table[:, 4],
@@ -134,6 +135,7 @@ def walkers(rows):
         stature=1.4 + 0.6 * table[:, 5],
         mass=np.full(n, 70.0),
         gait_phase=table[:, 6],
+        gait_speed=np.hypot(*table[:, 2:4].T),
     )
 
 
