@@ -156,6 +156,22 @@ def list_(as_json: Json = False) -> None:
         print_list(as_json)
 
 
+@app.command()
+def generate(
+    suite: Annotated[str, typer.Argument(help="`paper`, `paper-extra`, `smoke`, `robots`, `crowds`.")],
+    out: Annotated[Path | None, typer.Option(help="Folder for the files; by default one of the suite's name.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Write a suite of frozen scenario files, initial positions included: the same bytes every time.
+
+    Example: `crowdcosim generate paper --out my_paper`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.generate import print_generation
+
+        print_generation(suite, out or Path(suite), as_json)
+
+
 @app.command(context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
 def check(
     component: Annotated[

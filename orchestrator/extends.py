@@ -153,10 +153,20 @@ def find(reference: str, shelf: Shelf, place: Place, key: str = "") -> Path:
                 place,
                 key,
                 f"there is no {shelf.sort} '{reference}'{near_miss(reference, shelf.names)}; "
-                f"shipped: {', '.join(shelf.names)}; or give the path of a .yaml file",
+                f"shipped: {_shown(shelf)}; or give the path of a .yaml file",
             )
         ]
     )
+
+
+def _shown(shelf: Shelf) -> str:
+    """The names on a shelf; of a folder's many, only the folder."""
+    names = dict.fromkeys(f"{folder}/..." if folder else name for name in shelf.names for folder in [_folder(name)])
+    return ", ".join(names)
+
+
+def _folder(name: str) -> str:
+    return name.rpartition("/")[0]
 
 
 def _without(node: Node, *keys: str) -> Node:

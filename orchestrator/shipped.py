@@ -39,12 +39,26 @@ def names_in(folder: Path) -> list[str]:
 
 
 def scenario_names() -> list[str]:
+    """Every shipped scenario, those of suites too: `corridor`, `paper/rvo05-reactive_1d+_050`."""
     return [name for name in names_in(scenarios_folder()) if not name.startswith("robots/")]
 
 
+def suite_names() -> list[str]:
+    """The shipped suites: the folders of scenarios."""
+    return sorted({name.rpartition("/")[0] for name in scenario_names() if "/" in name})
+
+
 def list_scenarios() -> list[Entry]:
-    """Every shipped scenario, with its `description`."""
-    return [Entry(name, _description(scenarios_folder() / f"{name}.yaml")) for name in scenario_names()]
+    """Every shipped scenario that is in no suite, with its `description`."""
+    alone = [name for name in scenario_names() if "/" not in name]
+    return [Entry(name, _description(scenarios_folder() / f"{name}.yaml")) for name in alone]
+
+
+def list_suites() -> list[Entry]:
+    """Every shipped suite, with the number of its scenarios and the name of the first."""
+    names = scenario_names()
+    members = {suite: [name for name in names if name.startswith(f"{suite}/")] for suite in suite_names()}
+    return [Entry(suite, f"{len(m)} scenarios: {m[0]}, ...") for suite, m in members.items()]
 
 
 def list_robots() -> list[Entry]:

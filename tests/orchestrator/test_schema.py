@@ -60,7 +60,7 @@ def test_the_options_of_every_shipped_component_are_known_and_described(whole: d
             assert all(p.get("description") for p in config["properties"].values()), f"{family}.{name}"
 
 
-@pytest.mark.parametrize("name", scenario_names())
+@pytest.mark.parametrize("name", [name for name in scenario_names() if not name.startswith("paper")])
 def test_shipped_scenarios_satisfy_the_schema(validator: Any, name: str) -> None:
     text = (scenarios_folder() / f"{name}.yaml").read_text("utf-8")
     validator.validate(yaml.safe_load(text))

@@ -15,7 +15,7 @@ from orchestrator.scenario import load
 from orchestrator.shipped import list_components, list_robots, list_scenarios, scenario_names, scenarios_folder
 
 
-@pytest.mark.parametrize("name", scenario_names())
+@pytest.mark.parametrize("name", [name for name in scenario_names() if not name.startswith("paper/")])
 def test_shipped_scenarios_load(name: str) -> None:
     scenario = load(name)
     assert load(scenario.resolved) == scenario

@@ -1,0 +1,1 @@
+"""Suites: folders of frozen scenario files, and what writes them."""
