@@ -3,30 +3,17 @@
 from __future__ import annotations
 
 import json
-import platform
 import statistics
-import subprocess
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter
-
-from crowdcosim import __version__
-from crowdcosim.host import Source
 from crowdcosim.messages import Metrics
 from orchestrator.ending import Reason, Referee
-from orchestrator.errors import RunError
-from orchestrator.frames import FRAME_CHANNELS, frame_records, static_records
-from orchestrator.lockstep import Committed
-from orchestrator.recorder import Channel, Record, Recorder, as_json, topic_of
-from orchestrator.scenario import Scenario
+from orchestrator.recording import Committer, Reference, open_log
 from orchestrator.simulation import Simulation
-
-Reference = Mapping[str, Mapping[str, float]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,9 +117,9 @@ def run_episode(
     began = time.monotonic() if began is None else began
     scenario = simulation.scenario
     reference = _reference_run(simulation)
-    recorder = _open_log(simulation, log, reference) if log else None
+    recorder = open_log(simulation, log, reference) if log else None
     lockstep = simulation.lockstep
-    lockstep.commit = _committer(recorder, simulation) if recorder else None
+    lockstep.commit = Committer(recorder, simulation) if recorder else None
     referee = _referee(simulation)
     outcome: dict[str, str] = {"reason": "failed"}
     tick = 0
@@ -241,77 +228,3 @@ def _reason(simulation: Simulation, referee: Referee, tick: int) -> Reason | Non
     states = {robot: simulation.lockstep.latest(robot, "state", tick) for robot in robots}
     touching = robots if simulation.scenario.ending.collision else []
     return referee.reason(tick, states, {r: simulation.lockstep.latest(r, "contacts", tick) for r in touching})
-
-
-def _open_log(simulation: Simulation, path: Path, reference: Reference | None) -> Recorder:
-    graph = simulation.graph
-    channels = [
-        Channel(topic_of(name, output.name), output.type.TYPE, name, output.name)
-        for name, member in graph.members.items()
-        for output in member.ports.outputs
-    ]
-    wiring = TypeAdapter(dict[str, dict[str, tuple[Source, ...]]]).dump_python(
-        {name: dict(ports) for name, ports in graph.sources.items()}
-    )
-    attachments = {
-        "scenario.json": as_json(simulation.scenario.resolved),
-        "wiring.json": as_json(wiring),
-        "reference.json": as_json(reference),
-    }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        recorder = Recorder(
-            path,
-            (*FRAME_CHANNELS, *channels),
-            attachments=attachments,
-            metadata={"run": _provenance(simulation.scenario)},
-        )
-    except OSError as error:
-        raise RunError(None, None, f"cannot write {path}: {error.strerror}") from None
-    recorder.add(static_records(simulation.scenario))
-    return recorder
-
-
-def _committer(recorder: Recorder, simulation: Simulation) -> Callable[[list[Committed]], None]:
-    lockstep = simulation.lockstep
-    robots = tuple(robot.name for robot in simulation.scenario.robots)
-    topics = {
-        (name, output.name): topic_of(name, output.name)
-        for name, member in simulation.graph.members.items()
-        for output in member.ports.outputs
-    }
-
-    def commit(made: list[Committed]) -> None:
-        records = [Record(topics[component, port], time_ns, payload) for component, port, time_ns, payload in made]
-        moved = {c.component for c in made if c.port == "state"}
-        states = [lockstep.newest(robot, "state") for robot in robots if robot in moved]
-        recorder.add(records + frame_records(states))
-
-    return commit
-
-
-def _provenance(scenario: Scenario) -> dict[str, str]:
-    packages = ("numpy", "numba", "pymunk", "eclipse-zenoh", "rosbags", "mcap")
-    return {
-        "scenario": scenario.name,
-        "seed": str(scenario.seed),
-        "crowdcosim": __version__,
-        "python": platform.python_version(),
-        "platform": platform.platform(),
-        "git_commit": _git_commit(),
-        **{package: version(package) for package in packages},
-    }
-
-
-def _git_commit() -> str:
-    """The commit of the checkout that runs, empty for an installed wheel."""
-    here = Path(__file__).parent.parent
-    if not (here / ".git").exists():
-        return ""
-    try:
-        answer = subprocess.run(
-            ["git", "-C", str(here), "rev-parse", "HEAD"], capture_output=True, text=True, timeout=5, check=False
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return ""
-    return answer.stdout.strip()

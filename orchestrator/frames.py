@@ -14,14 +14,14 @@ from crowdcosim.messages import (
     TransformStamped,
     Vector3,
 )
-from crowdcosim.setup import nanoseconds_of, time_of
+from crowdcosim.setup import time_of
 from orchestrator.recorder import Channel, Record, record
 from orchestrator.scenario import Scenario
 
 FRAME_CHANNELS = (
     Channel("/clock", Clock.TYPE, "", "clock"),
     Channel("/tf", TFMessage.TYPE, "", "tf"),
-    Channel("/tf_static", TFMessage.TYPE, "", "tf_static"),
+    Channel("/tf_static", TFMessage.TYPE, "", "tf_static", latched=True),
 )
 
 
@@ -35,19 +35,16 @@ def static_records(scenario: Scenario) -> list[Record]:
     return [record("/tf_static", 0, TFMessage(transforms=tuple(transforms)))]
 
 
-def frame_records(states: list[RobotState]) -> list[Record]:
-    """The clock and the robots' frames that belong to the states of one tick; nothing without robots."""
+def frame_records(time_ns: int, states: list[RobotState]) -> list[Record]:
+    """The clock, and the frames of the robots that have moved."""
+    clock = record("/clock", time_ns, Clock(clock=time_of(time_ns)))
     if not states:
-        return []
-    time_ns = nanoseconds_of(states[0].header.stamp)
+        return [clock]
     transforms = tuple(
         _transform("map", f"{s.name}/base_link", time_ns, float(s.position[0]), float(s.position[1]), 0.0, s.heading)
         for s in states
     )
-    return [
-        record("/clock", time_ns, Clock(clock=time_of(time_ns))),
-        record("/tf", time_ns, TFMessage(transforms=transforms)),
-    ]
+    return [clock, record("/tf", time_ns, TFMessage(transforms=transforms))]
 
 
 def _transform(parent: str, child: str, time_ns: int, x: float, y: float, z: float, yaw: float) -> TransformStamped:

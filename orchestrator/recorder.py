@@ -35,14 +35,14 @@ BATCH = 32
 BACKLOG = 16
 """Batches that may wait for the disk before the run does."""
 
-QOS = """- history: keep_last
-  depth: 10
+_QOS = """- history: keep_last
+  depth: {depth}
   reliability: reliable
-  durability: volatile
-  deadline: {sec: 9223372036, nsec: 854775807}
-  lifespan: {sec: 9223372036, nsec: 854775807}
+  durability: {durability}
+  deadline: {{sec: 9223372036, nsec: 854775807}}
+  lifespan: {{sec: 9223372036, nsec: 854775807}}
   liveliness: automatic
-  liveliness_lease_duration: {sec: 9223372036, nsec: 854775807}
+  liveliness_lease_duration: {{sec: 9223372036, nsec: 854775807}}
   avoid_ros_namespace_conventions: false
 """
 
@@ -55,6 +55,15 @@ class Channel(NamedTuple):
     """ROS 2 type name"""
     component: str
     port: str
+    latched: bool = False
+    """holds for the whole run: whoever subscribes late gets it too (ROS 2's `transient_local`)"""
+
+    @property
+    def qos(self) -> str:
+        """The `offered_qos_profiles` of rosbag2."""
+        return _QOS.format(
+            depth=1 if self.latched else 10, durability="transient_local" if self.latched else "volatile"
+        )
 
 
 class Record(NamedTuple):
@@ -160,7 +169,7 @@ class Recorder:
             metadata={
                 "component": channel.component,
                 "port": channel.port,
-                "offered_qos_profiles": QOS,
+                "offered_qos_profiles": channel.qos,
                 "topic_type_hash": type_hash(channel.type),
             },
         )
