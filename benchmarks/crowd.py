@@ -58,10 +58,11 @@ def people_at_start(people: int) -> Scene:
         preferred=preferred,
         radius=np.full(people, 0.3),
         robots=np.empty((0, 5)),
+        pushed_by_robots=np.ones(people, np.bool_),
         walls=np.empty((0, 2, 2)),
         period=world.period.copy(),
-        max_speed=1.8,
-        max_acceleration=5.0,
+        max_speed=np.full(people, 1.8),
+        max_acceleration=np.full(people, 5.0),
         stream=rng.integers(0, 2**64, people, np.uint64),
         dt=0.1,
     )

@@ -155,10 +155,11 @@ class CrowdModel(Mover):
             preferred=speed[:, None] * ways,
             radius=np.full(count, config.radius, np.float64),
             robots=np.empty((0, 5)),
+            pushed_by_robots=np.ones(count, np.bool_),
             walls=world.segments_for_people.copy(),
             period=world.period.copy(),
-            max_speed=float(config.max_speed),
-            max_acceleration=float(config.max_acceleration),
+            max_speed=np.full(count, config.max_speed, np.float64),
+            max_acceleration=np.full(count, config.max_acceleration, np.float64),
             stream=self._state.stream,
             dt=setup.dt,
         )

@@ -30,7 +30,13 @@ integration is stable for omega dt < 2, that is below 2 / 3; the default stiffne
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def contact_accelerations(
-    position: Array, radius: Array, robots: Array, walls: Array, period: Array, dt: float
+    position: Array,
+    radius: Array,
+    robots: Array,
+    pushed_by_robots: NDArray[np.bool_],
+    walls: Array,
+    period: Array,
+    dt: float,
 ) -> Array:
     """(N, 2) accelerations by which bodies, robots and walls push those who overlap with them [m/s2]."""
     n = len(position)
@@ -54,7 +60,7 @@ def contact_accelerations(
                 push[i, 1] -= stiffness * overlap * ny
                 push[j, 0] += stiffness * overlap * nx
                 push[j, 1] += stiffness * overlap * ny
-        for f in range(len(robots)):
+        for f in range(len(robots) if pushed_by_robots[i] else 0):
             x = shortest(robots[f, 0] - cells.x[k], period[0])
             y = shortest(robots[f, 1] - cells.y[k], period[1])
             _push_off(push, i, x, y, radius[i] + robots[f, 4], stiffness)
@@ -119,6 +125,7 @@ def move(scene: Scene, acceleration: Array) -> tuple[Array, Array]:
         acceleration,
         scene.radius,
         scene.robots,
+        scene.pushed_by_robots,
         scene.walls,
         scene.period,
         scene.max_speed,
@@ -134,18 +141,19 @@ def _move(
     acceleration: Array,
     radius: Array,
     robots: Array,
+    pushed_by_robots: NDArray[np.bool_],
     walls: Array,
     period: Array,
-    max_speed: float,
-    max_acceleration: float,
+    max_speed: Array,
+    max_acceleration: Array,
     dt: float,
 ) -> tuple[Array, Array]:
     n = len(position)
-    push = contact_accelerations(position, radius, robots, walls, period, dt)
+    push = contact_accelerations(position, radius, robots, pushed_by_robots, walls, period, dt)
     new_position, new_velocity = np.empty((n, 2)), np.empty((n, 2))
     for i in range(n):
-        ax, ay = _limit(acceleration[i, 0], acceleration[i, 1], max_acceleration)
-        vx, vy = _limit(velocity[i, 0] + ax * dt, velocity[i, 1] + ay * dt, max_speed)
+        ax, ay = _limit(acceleration[i, 0], acceleration[i, 1], max_acceleration[i])
+        vx, vy = _limit(velocity[i, 0] + ax * dt, velocity[i, 1] + ay * dt, max_speed[i])
         vx, vy = vx + push[i, 0] * dt, vy + push[i, 1] * dt
         x, y = position[i, 0], position[i, 1]
         wall = _crossed(walls, x, y, vx * dt, vy * dt, period)

@@ -40,8 +40,8 @@ Array = NDArray[np.float64]
 class Orca:
     """The policy `orca`."""
 
-    time_horizon: float
-    """collisions later than this are ignored [s]"""
+    time_horizon: float | Array
+    """collisions later than this are ignored: everybody's, or (N,) of each [s]"""
 
     def accelerate(self, scene: Scene, who: NDArray[np.int64] | None = None) -> Array:
         """(N, 2) accelerations that everybody wants [m/s2]."""
@@ -54,7 +54,7 @@ class Orca:
             scene.walls,
             scene.period,
             scene.max_speed,
-            self.time_horizon,
+            np.full(len(scene.position), self.time_horizon),
             scene.dt,
         )
 
@@ -200,8 +200,8 @@ def orca(
     robots: Array,
     walls: Array,
     period: Array,
-    max_speed: float,
-    horizon: float,
+    max_speed: Array,
+    horizon: Array,
     dt: float,
 ) -> Array:
     """(N, 2) accelerations to the ORCA velocities within one step [m/s2]; arguments as in `Scene`."""
@@ -214,20 +214,20 @@ def orca(
     acceleration = np.empty((n, 2))
     for k in range(n):
         i = cells.order[k]
-        x, y = cells.x[k], cells.y[k]
+        x, y, limit, tau = cells.x[k], cells.y[k], max_speed[i], horizon[i]
         hard = 0
         for j in range(w):
             ax, ay, bx, by = seen_from(walls[j], x, y, period)
             cx, cy, _ = nearest_on_segment(ax, ay, bx, by, 0.0, 0.0)
-            if cx * cx + cy * cy <= (horizon * max_speed + r[k]) ** 2:
-                nx[hard], ny[hard], b[hard] = wall_half_plane(ax, ay, bx, by, vx[k], vy[k], r[k], horizon)
+            if cx * cx + cy * cy <= (tau * limit + r[k]) ** 2:
+                nx[hard], ny[hard], b[hard] = wall_half_plane(ax, ay, bx, by, vx[k], vy[k], r[k], tau)
                 hard += 1
         count = hard
         for j in range(m):
             dx, dy = shortest(robots[j, 0] - x, period[0]), shortest(robots[j, 1] - y, period[1])
             if dx * dx + dy * dy <= RANGE * RANGE:
                 nx[count], ny[count], b[count] = half_plane(
-                    dx, dy, vx[k], vy[k], robots[j, 2], robots[j, 3], r[k] + robots[j, 4], horizon, dt
+                    dx, dy, vx[k], vy[k], robots[j, 2], robots[j, 3], r[k] + robots[j, 4], tau, dt
                 )
                 count += 1
         near = gather(cells, k, 0, RANGE, found, px, py)
@@ -242,12 +242,12 @@ def orca(
             ox[:near],
             oy[:near],
             R[:near],
-            horizon,
+            tau,
             dt,
             nx[count:end],
             ny[count:end],
             b[count:end],
         )
-        x, y = best_velocity(nx, ny, b, hard, end, max_speed, preferred[i, 0], preferred[i, 1])
+        x, y = best_velocity(nx, ny, b, hard, end, limit, preferred[i, 0], preferred[i, 1])
         acceleration[i, 0], acceleration[i, 1] = (x - vx[k]) / dt, (y - vy[k]) / dt
     return acceleration

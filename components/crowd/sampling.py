@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from components.crowd.surroundings import GX, GY, VX, VY, Surroundings, facing
+from components.crowd.surroundings import GX, GY, MAX_ACCELERATION, MAX_SPEED, VX, VY, Surroundings, facing
 
 Array = NDArray[np.float64]
 
@@ -142,9 +142,9 @@ def _frame(around: Surroundings, i: int, base: int, direction: int, radius: int)
     if radius == 0:
         reach = math.sqrt(own[GX, i] ** 2 + own[GY, i] ** 2)
     elif radius == 1:
-        reach = around.max_speed
+        reach = own[MAX_SPEED, i]
     else:
-        reach = min(2.0 * around.max_speed, around.max_acceleration * around.dt)
+        reach = min(2.0 * own[MAX_SPEED, i], own[MAX_ACCELERATION, i] * around.dt)
     return bx, by, reach * ux, reach * uy
 
 

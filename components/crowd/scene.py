@@ -28,14 +28,16 @@ class Scene:
     """(N,) radii of the bodies' discs [m]"""
     robots: Array
     """(M, 5) x, y, velocity in x and y, and radius of each robot that people see [m, m/s]"""
+    pushed_by_robots: NDArray[np.bool_]
+    """(N,) False for those who walk through robots"""
     walls: Array
     """(W, 2, 2) both ends of the walls that stop people [m]"""
     period: Array
     """(2,) period of each axis, 0 where the world does not wrap around [m]"""
-    max_speed: float
-    """nobody wants to be faster [m/s]"""
-    max_acceleration: float
-    """nobody wants to accelerate or brake harder [m/s2]"""
+    max_speed: Array
+    """(N,) speeds that people do not want to exceed [m/s]"""
+    max_acceleration: Array
+    """(N,) as hard as people want to accelerate or brake at most [m/s2]"""
     stream: NDArray[np.uint64]
     """(N,) numbers that everybody's random choices of this step begin with"""
     dt: float

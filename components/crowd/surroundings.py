@@ -20,8 +20,8 @@ from components.crowd.walls import nearest_on_segment, seen_from
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-VX, VY, GX, GY, RADIUS = range(5)
-"""rows of `own`: velocity, preferred velocity [m/s], radius [m]"""
+VX, VY, GX, GY, RADIUS, MAX_SPEED, MAX_ACCELERATION = range(7)
+"""rows of `own`: velocity, preferred velocity [m/s], radius [m], greatest speed [m/s] and acceleration [m/s2]"""
 PX, PY, OX, OY, REACH = range(5)
 """rows of `near`: position relative to the person [m], velocity [m/s], sum of both radii [m]"""
 AX, AY, BX, BY = range(4)
@@ -32,7 +32,7 @@ class Surroundings(NamedTuple):
     """A block of B people, who have P neighbours and Q walls in range together."""
 
     own: Array
-    """(5, B) rows VX, VY, GX, GY, RADIUS"""
+    """(7, B) rows VX, VY, GX, GY, RADIUS, MAX_SPEED, MAX_ACCELERATION"""
     first: Indices
     """(B + 1,) person i has the neighbours first[i] to first[i + 1], robots among them"""
     near: Array
@@ -43,10 +43,6 @@ class Surroundings(NamedTuple):
     """(4, at least Q) rows AX, AY, BX, BY"""
     stream: NDArray[np.uint64]
     """(B,) where everybody's random numbers of this step begin"""
-    max_speed: float
-    """nobody wants to be faster [m/s]"""
-    max_acceleration: float
-    """nobody wants to accelerate or brake harder [m/s2]"""
     relaxation_time: float
     """in which people take on the velocity they want, at least the time step [s]"""
     dt: float
@@ -77,6 +73,8 @@ class Surveyor:
                 others,
                 places,
                 scene.preferred,
+                scene.max_speed,
+                scene.max_acceleration,
                 scene.stream,
                 scene.robots,
                 scene.walls,
@@ -96,8 +94,6 @@ class Surveyor:
             first_edge,
             self._edges,
             stream,
-            scene.max_speed,
-            scene.max_acceleration,
             max(self._relaxation_time, scene.dt),
             scene.dt,
         )
@@ -120,6 +116,8 @@ def _survey(
     others: Array,
     places: Indices,
     preferred: Array,
+    max_speed: Array,
+    max_acceleration: Array,
     streams: NDArray[np.uint64],
     robots: Array,
     walls: Array,
@@ -135,7 +133,7 @@ def _survey(
     us, vs, radii = others[0], others[1], others[2]
     period = np.array((cells.period_x, cells.period_y))
     found, dx, dy = np.empty(n + 1, np.int64), np.empty(n + 1), np.empty(n + 1)
-    own, stream = np.empty((5, b)), np.empty(b, np.uint64)
+    own, stream = np.empty((7, b)), np.empty(b, np.uint64)
     first, first_edge = np.zeros(b + 1, np.int64), np.zeros(b + 1, np.int64)
     for t in range(b):
         k = places[t]
@@ -144,6 +142,7 @@ def _survey(
         own[VX, t], own[VY, t] = us[k], vs[k]
         own[GX, t], own[GY, t] = preferred[i, 0], preferred[i, 1]
         own[RADIUS, t] = r
+        own[MAX_SPEED, t], own[MAX_ACCELERATION, t] = max_speed[i], max_acceleration[i]
         stream[t] = streams[i]
         p = first[t]
         count = gather(cells, k, 0, reach, found, dx, dy)

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from components.crowd.collision import collision_rates
 from components.crowd.costs.cost import Cost, cosine
-from components.crowd.surroundings import GX, GY, VX, VY, Surroundings
+from components.crowd.surroundings import GX, GY, MAX_SPEED, VX, VY, Surroundings
 
 Array = NDArray[np.float64]
 
@@ -84,12 +84,12 @@ def _add(
     total: Array,
 ) -> None:
     people, count = total.shape
-    own, limit = around.own, around.max_speed
+    own = around.own
     gx, gy, soonest = np.empty(1), np.empty(1), np.empty(1)
     ax, ay, rate = np.empty(count), np.empty(count), np.empty(count)
     price, allowed = np.empty(count), np.empty(count, np.int64)
     for i in range(people):
-        gx[0], gy[0] = own[GX, i], own[GY, i]
+        gx[0], gy[0], limit = own[GX, i], own[GY, i], own[MAX_SPEED, i]
         collision_rates(around, i, gx, gy, True, soonest)
         t = 1.0 / soonest[0] if soonest[0] > 0.0 else np.inf
         least_cosine = math.cos(min(greatest_turn(t, T) + MARGIN, math.pi))

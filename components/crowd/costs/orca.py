@@ -27,6 +27,7 @@ from components.crowd.surroundings import (
     BY,
     GX,
     GY,
+    MAX_SPEED,
     OX,
     OY,
     PX,
@@ -68,11 +69,11 @@ def _raise(nx: float, ny: float, b: float, cx: Array, cy: Array, violation: Arra
 @njit(cache=True, nogil=True, error_model="numpy")
 def _add(around: Surroundings, candidates: Array, coefficient: float, horizon: float, total: Array) -> None:
     people, count = total.shape
-    own, near, edges, limit = around.own, around.near, around.edges, around.max_speed
+    own, near, edges = around.own, around.near, around.edges
     violation = np.empty(count)
     for i in range(people):
         cx, cy = candidates[0, i], candidates[1, i]
-        vx, vy = own[VX, i], own[VY, i]
+        vx, vy, limit = own[VX, i], own[VY, i], own[MAX_SPEED, i]
         for k in range(count):
             violation[k] = math.sqrt(cx[k] * cx[k] + cy[k] * cy[k]) - limit
         for p in range(around.first[i], around.first[i + 1]):

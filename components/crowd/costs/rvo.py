@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from components.crowd.collision import raise_to_people, raise_to_walls
 from components.crowd.costs.cost import Cost
-from components.crowd.surroundings import GX, GY, VX, VY, Surroundings
+from components.crowd.surroundings import GX, GY, MAX_SPEED, VX, VY, Surroundings
 
 Array = NDArray[np.float64]
 
@@ -55,5 +55,5 @@ def _add(around: Surroundings, candidates: Array, coefficient: float, w: float, 
         for k in range(count):
             x, y = cx[k] - own[GX, i], cy[k] - own[GY, i]
             price = w * rate[k] + math.sqrt(x * x + y * y)
-            price = np.inf if cx[k] * cx[k] + cy[k] * cy[k] > around.max_speed * around.max_speed else price
+            price = np.inf if cx[k] * cx[k] + cy[k] * cy[k] > own[MAX_SPEED, i] * own[MAX_SPEED, i] else price
             total[i, k] += coefficient * price

@@ -6,7 +6,18 @@ from components.crowd.motion import move
 from components.crowd.scene import Scene
 
 
-def scene(position, velocity=None, preferred=None, *, robots=(), walls=(), period=(0.0, 0.0), **options):
+def scene(
+    position,
+    velocity=None,
+    preferred=None,
+    *,
+    robots=(),
+    walls=(),
+    period=(0.0, 0.0),
+    max_speed=1.8,
+    max_acceleration=5.0,
+    **options,
+):
     """A scene of people of radius 0.3 m; arrays default to zeros."""
     position = np.array(position, np.float64).reshape(-1, 2)
     n = len(position)
@@ -18,9 +29,10 @@ def scene(position, velocity=None, preferred=None, *, robots=(), walls=(), perio
         "robots": np.array(robots, np.float64).reshape(-1, 5),
         "walls": np.array(walls, np.float64).reshape(-1, 2, 2),
         "period": np.array(period, np.float64),
-        "max_speed": 1.8,
-        "max_acceleration": 5.0,
+        "pushed_by_robots": np.ones(n, np.bool_),
         "stream": np.arange(n, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15),
+        "max_speed": np.full(n, max_speed),
+        "max_acceleration": np.full(n, max_acceleration),
         "dt": 0.1,
     }
     return Scene(**(fields | options))

@@ -29,10 +29,11 @@ def scene(
         preferred=np.zeros((len(position), 2)),
         radius=np.full(len(position), 0.3),
         robots=robots,
+        pushed_by_robots=np.ones(len(position), np.bool_),
         walls=np.asarray(walls, np.float64).reshape(-1, 2, 2),
         period=np.asarray(period, np.float64),
-        max_speed=max_speed,
-        max_acceleration=max_acceleration,
+        max_speed=np.full(len(position), max_speed),
+        max_acceleration=np.full(len(position), max_acceleration),
         stream=np.zeros(len(position), np.uint64),
         dt=dt,
     )
@@ -40,7 +41,7 @@ def scene(
 
 def push(position, *, robots=NO_ROBOTS, walls=NO_WALLS, period=(0.0, 0.0), dt=0.1):
     now = scene(position, np.zeros_like(position), robots=robots, walls=walls, period=period)
-    return contact_accelerations(now.position, now.radius, now.robots, now.walls, now.period, dt)
+    return contact_accelerations(now.position, now.radius, now.robots, now.pushed_by_robots, now.walls, now.period, dt)
 
 
 def test_acceleration_and_speed_are_limited_in_that_order():

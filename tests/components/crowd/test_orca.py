@@ -37,10 +37,11 @@ def scene(
         preferred=np.asarray(preferred, np.float64),
         radius=np.full(len(position), 0.3),
         robots=robots,
+        pushed_by_robots=np.ones(len(position), np.bool_),
         walls=walls,
         period=np.asarray(period, np.float64),
-        max_speed=max_speed,
-        max_acceleration=max_acceleration,
+        max_speed=np.full(len(position), max_speed),
+        max_acceleration=np.full(len(position), max_acceleration),
         stream=np.zeros(len(position), np.uint64),
         dt=DT,
     )
