@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,6 +26,67 @@ class Mount:
             raise ValueError(f"position is {self.position}, expected a height, the third number, of zero or more")
         if not abs(self.pitch) <= 0.5 * math.pi:
             raise ValueError(f"pitch is {self.pitch}, expected from -pi/2 (straight up) to pi/2 (straight down)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Differential:
+    """A base that turns by driving its two wheels at different speeds, and cannot move sideways."""
+
+    kind: Literal["differential"] = "differential"
+    """two driven wheels on one axis through the base's centre"""
+    wheel_radius: float | None = None
+    """of the driven wheels; needed by drives that turn them [m]"""
+    track: float | None = None
+    """distance between the two wheels; needed by drives that turn them [m]"""
+
+    def __post_init__(self) -> None:
+        for name in ("wheel_radius", "track"):
+            _check_positive(self, name)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Holonomic:
+    """A base that moves in any direction, and turns meanwhile."""
+
+    kind: Literal["holonomic"] = "holonomic"
+    """omnidirectional wheels"""
+    max_lateral_speed: float
+    """limit of the speed to the left and to the right [m/s]"""
+
+    def __post_init__(self) -> None:
+        _check_positive(self, "max_lateral_speed")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Car:
+    """A base with steered front wheels, which turns only while it drives; its centre is midway between the axles."""
+
+    kind: Literal["car"] = "car"
+    """driven wheels behind, steered wheels in front"""
+    wheelbase: float
+    """distance from the rear axle to the front axle [m]"""
+    max_steering_angle: float
+    """of the middle of the front axle, either way [rad]"""
+    max_steering_rate: float
+    """limit of the steering angle's change [rad/s]"""
+
+    def __post_init__(self) -> None:
+        for name in ("wheelbase", "max_steering_rate"):
+            _check_positive(self, name)
+        if not 0.0 < self.max_steering_angle < 0.5 * math.pi:
+            raise ValueError(
+                f"max_steering_angle is {self.max_steering_angle}, expected more than 0 and less than pi/2"
+            )
+
+
+Base = Annotated[Differential | Holonomic | Car, Field(discriminator="kind")]
+"""How a robot's wheels let it move."""
+
+
+def _check_positive(part: object, name: str) -> None:
+    value = getattr(part, name)
+    if value is not None and not value > 0.0:
+        raise ValueError(f"{name} is {value}, expected a positive number")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,13 +109,14 @@ class RobotModel:
     """turn rate limit, either way [rad/s]"""
     max_angular_acceleration: float
     """limit of the turn rate's change [rad/s2]"""
+    base: Base = Differential()
+    """how its wheels let it move: differential, holonomic or car"""
     mounts: Mapping[str, Mount] = field(default_factory=dict)
     """name -> where a sensor of that mount sits"""
 
     def __post_init__(self) -> None:
         for name in ("radius", "height", "mass", "max_speed", "max_acceleration"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
+            _check_positive(self, name)
         for name in ("max_angular_velocity", "max_angular_acceleration"):
             if not getattr(self, name) >= 0:
                 raise ValueError(f"{name} is {getattr(self, name)}, expected zero or more")

@@ -19,7 +19,7 @@ from crowdcosim.component import ports_of
 from crowdcosim.interfaces.generate import own_messages
 from crowdcosim.loading import load_class
 from crowdcosim.messages import MESSAGES
-from crowdcosim.robots import Mount, Robot, RobotModel, Target
+from crowdcosim.robots import Car, Differential, Holonomic, Mount, Robot, RobotModel, Target
 from crowdcosim.robots import Pose as Place
 from crowdcosim.setup import Setup
 from crowdcosim.world import Wall, World
@@ -41,7 +41,7 @@ SOURCES = {
 }
 """family -> shipped components in the table of ports"""
 
-PARTS = (Setup, World, Wall, Robot, RobotModel, Mount, Place, Target)
+PARTS = (Setup, World, Wall, Robot, RobotModel, Differential, Holonomic, Car, Mount, Place, Target)
 """What the JSON of a setup is made of."""
 
 
@@ -112,6 +112,8 @@ def _json_type(hint: Any) -> str:
     arguments = typing.get_args(hint)
     if isinstance(hint, types.UnionType):
         return " or ".join(_json_type(a) for a in arguments)
+    if typing.get_origin(hint) is typing.Literal:
+        return " or ".join(json.dumps(a) for a in arguments)
     if typing.get_origin(hint) is tuple:
         if arguments[-1] is Ellipsis:
             return f"list of {_json_type(arguments[0])}"

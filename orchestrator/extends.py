@@ -74,7 +74,7 @@ def extended(node: Node, shelf: Shelf, key: str = "", chain: tuple[Path, ...] = 
 def merge(base: Node, over: Node) -> Node:
     """`over` laid over `base`: mappings merge, null takes a key away, everything else replaces.
 
-    A component for which `over` names another `use` or `exec` is replaced as a whole.
+    A component for which `over` names another `use` or `exec`, and a mapping of another `kind`, is replaced as a whole.
     """
     if not (isinstance(base.value, dict) and isinstance(over.value, dict)):
         return over
@@ -88,18 +88,19 @@ def merge(base: Node, over: Node) -> Node:
         elif key == "model" and isinstance(below.value, str) and isinstance(node.value, dict):
             # A robot's file by name, then single values of it: `--set robots.robot.model.max_speed=0.5`.
             entries[key] = replace(node, value={"extends": below} | node.value)
-        elif _names_another_component(below, node):
-            # The options and inputs below belong to the component that was there.
+        elif _is_another(below, node):
+            # The options and inputs below belong to the component, or the kind, that was there.
             entries[key] = merge(replace(node, value={}), node)
         else:
             entries[key] = merge(below, node)
     return Node(entries, over.place)
 
 
-def _names_another_component(below: Node, over: Node) -> bool:
+def _is_another(below: Node, over: Node) -> bool:
     if not (isinstance(below.value, dict) and isinstance(over.value, dict)):
         return False
-    before, after = ({k: n.plain() for k, n in v.items() if k in ("use", "exec")} for v in (below.value, over.value))
+    keys = ("use", "exec", "kind")
+    before, after = ({k: n.plain() for k, n in v.items() if k in keys} for v in (below.value, over.value))
     return bool(before and after and before != after)
 
 

@@ -20,7 +20,7 @@ from orchestrator.yaml_tree import Node, from_python
 
 _LONGEST = 2**31
 """seconds that a ROS 2 `Time` can hold"""
-_ANY_ROBOT = dict.fromkeys((f.name for f in fields(RobotModel) if f.default is MISSING), 1e-9)
+_ANY_ROBOT = dict.fromkeys((f.name for f in fields(RobotModel) if f.default is f.default_factory is MISSING), 1e-9)
 """a model that gives rise to no problem of its own"""
 
 

@@ -112,6 +112,8 @@ def _partial(part: Any) -> Any:
             partial[key] = value.replace(_DEFS, f"{_DEFS}{_PARTIAL}")
         elif key == "if":
             partial[key] = value
-        elif key != "required":
+        elif key == "oneOf":
+            partial["anyOf"] = _partial(value)  # without the key that tells the choices apart, several may fit
+        elif key not in ("required", "discriminator"):
             partial[key] = _partial(value)
     return partial

@@ -1,11 +1,12 @@
-"""A disc on wheels among obstacles: whatever drives it, it stops at what it drives at.
+"""A disc on wheels among obstacles: whatever drives it, it is stopped or deflected by what it drives at.
 
 A step is cut into 10 inner steps of length h. In each, the drive plans its motion d, the others are taken to go on at
 their committed velocity u, and all that is within reach is looked up in pymunk. With the unit vector n towards an
 obstacle and the gap g to it, the two meet if g <= 0 or n.(d - u h) > g, after the share g / n.(d - u h) of the inner
-step. If the robot drives at the obstacle (n.d > 0), it stops there; if not, it drives on. It is never pushed, never
-slides sideways, and may always turn on the spot and drive away. The plane that touches an obstacle stands for it; it
-lies before the obstacle, so that nothing is driven through at any speed.
+step. If the robot drives at the obstacle (n.d > 0), the drive says what is left of the motion (`Drive.left_of`): a
+differential or car-like one stops there, a holonomic one goes on along the obstacle; if not, it drives on. It is never
+pushed, and may always drive away. The plane that touches an obstacle stands for it; it lies before the obstacle, so
+that nothing is driven through at any speed.
 
 After Grzeskowiak et al., "Crowd against the machine", 2021: walls stop the robot, and who drives straight stays on
 that line. Not in the paper: what contact does. As in its authors' simulator, the robot stands until contact ends; but
@@ -22,8 +23,11 @@ from typing import NamedTuple
 import numpy as np
 
 from components.robot.body_part import REFLECTED_MASS, TouchedPart
+from components.robot.car import CarDrive
 from components.robot.contact import ContactLog
-from components.robot.drive import DifferentialDrive, Motion
+from components.robot.differential import DifferentialDrive
+from components.robot.drive import ALONG, Bound, Drive, Motion
+from components.robot.holonomic import HolonomicDrive
 from components.robot.surroundings import Near, Obstacle, Surroundings
 from crowdcosim.messages import Contacts, Crowd, Header, RobotState
 from crowdcosim.setup import Setup, time_of
@@ -32,8 +36,8 @@ INNER_STEPS = 10
 
 # Surfaces this near touch [m]: more than rounding and what the tangent plane leaves out, less than what matters.
 _TOUCH = 1e-3
-# Sine of the angle [rad] between the way and a surface from which on the robot drives at it, and not along it.
-_ALONG = 1e-6
+
+_DRIVES: dict[str, type[Drive]] = {"differential": DifferentialDrive, "holonomic": HolonomicDrive, "car": CarDrive}
 
 
 class RobotStep(NamedTuple):
@@ -54,7 +58,7 @@ class Chassis:
         self._time = 0
         self._unhindered = False
         self._robot_of = {other.name: other for other in setup.robots}
-        self.drive = DifferentialDrive(
+        self.drive = _DRIVES[robot.model.base.kind](
             model=robot.model,
             x=robot.start.x,
             y=robot.start.y,
@@ -74,7 +78,7 @@ class Chassis:
     def move(self, motion: Motion, h: float) -> None:
         """One inner step of `h` [s]."""
         if self._unhindered:
-            self.drive.move(motion, 1.0)
+            self.drive.move(motion)
         else:
             self._move_among_obstacles(motion, h)
 
@@ -85,7 +89,7 @@ class Chassis:
         drive = self.drive
         ahead_x, ahead_y = way * math.cos(drive.heading), way * math.sin(drive.heading)
         near = self._surroundings.near(drive.x, drive.y, self._robot.model.radius + _TOUCH, h=0.0)
-        return any(nx * ahead_x + ny * ahead_y > _ALONG for _, _, nx, ny in near)
+        return any(nx * ahead_x + ny * ahead_y > ALONG for _, _, nx, ny in near)
 
     def end_step(self) -> RobotStep:
         """State and contacts after the last inner step."""
@@ -96,13 +100,12 @@ class Chassis:
         """State and contacts now."""
         drive = self.drive
         header = Header(stamp=time_of(self._time), frame_id="map")
-        cos, sin = math.cos(drive.heading), math.sin(drive.heading)
         state = RobotState(
             header=header,
             name=self._robot.name,
             position=np.array((drive.x, drive.y)),
             heading=drive.heading,
-            velocity=np.array((drive.speed * cos, drive.speed * sin)),
+            velocity=np.array(drive.velocity),
             angular_velocity=drive.turn_rate,
             radius=self._robot.model.radius,
         )
@@ -110,45 +113,39 @@ class Chassis:
 
     def _move_among_obstacles(self, motion: Motion, h: float) -> None:
         drive = self.drive
-        velocity = drive.speed * math.cos(drive.heading), drive.speed * math.sin(drive.heading)
+        velocity = drive.velocity
         reach = self._robot.model.radius + math.hypot(motion.dx, motion.dy) + _TOUCH
         near = self._surroundings.near(drive.x, drive.y, reach, h)
-        free, meeting_robots = self._look_ahead(motion, near, h)
-        drive.move(motion, free)
-        self._note_contacts(motion, free, velocity, near, h)
-        for robot, share in meeting_robots:
-            if share <= free:
-                self._surroundings.halt(robot, share * h)
+        bounds = [self._bound(motion, *obstacle, h) for obstacle in near]
+        left = drive.left_of(motion, bounds, h)
+        drive.move(left)
+        self._note_contacts(left, velocity, near, h)
+        self._halt_robots(motion, near, bounds, h)
         self._surroundings.advance(h)
 
-    def _look_ahead(self, motion: Motion, near: list[Near], h: float) -> tuple[float, list[tuple[Obstacle, float]]]:
-        """How much of `motion` is free, 1 if nothing stops the robot; and which other robots drive at this one.
+    def _bound(self, motion: Motion, obstacle: Obstacle, distance: float, nx: float, ny: float, h: float) -> Bound:
+        """What an obstacle at `distance` [m] in the direction (nx, ny) leaves of `motion`."""
+        gap = distance - self._robot.model.radius
+        mine = nx * motion.dx + ny * motion.dy
+        theirs = (nx * obstacle.vx + ny * obstacle.vy) * h
+        most = max(gap + theirs, 0.0)
+        if 0.0 < gap >= mine - theirs:
+            return Bound(nx, ny, most, math.inf)
+        return Bound(nx, ny, most, gap / (mine - theirs) if gap > 0.0 else 0.0)
 
-        Each of those comes with the share of this inner step after which they meet.
-        """
-        along = _ALONG * math.hypot(motion.dx, motion.dy)
-        free = 1.0
-        robots = []
-        for obstacle, distance, nx, ny in near:
-            gap = distance - self._robot.model.radius
-            mine = nx * motion.dx + ny * motion.dy
-            theirs = (nx * obstacle.vx + ny * obstacle.vy) * h
-            if 0.0 < gap >= mine - theirs:
-                continue
-            share = gap / (mine - theirs) if gap > 0.0 else 0.0
-            if mine > along:
-                free = min(free, share)
-            if obstacle.kind == Contacts.ROBOT and theirs < 0.0:
-                robots.append((obstacle, share))
-        return free, robots
+    def _halt_robots(self, motion: Motion, near: list[Near], bounds: list[Bound], h: float) -> None:
+        """Let robots that drive at this one stop where they meet it, if they do while it is on its way."""
+        until = min(self.drive.stops_after(motion, bounds), 1.0)
+        for (obstacle, _, nx, ny), bound in zip(near, bounds, strict=True):
+            closing = nx * obstacle.vx + ny * obstacle.vy < 0.0
+            if obstacle.kind == Contacts.ROBOT and closing and bound.share <= until:
+                self._surroundings.halt(obstacle, bound.share * h)
 
-    def _note_contacts(
-        self, motion: Motion, free: float, velocity: tuple[float, float], near: list[Near], h: float
-    ) -> None:
-        """Log all that touch the robot after `free` of `motion`, begun at `velocity` [m/s]."""
+    def _note_contacts(self, motion: Motion, velocity: tuple[float, float], near: list[Near], h: float) -> None:
+        """Log all that touch the robot after `motion`, begun at `velocity` [m/s]."""
         drive = self.drive
         for obstacle, distance, nx, ny in near:
-            closing = free * (nx * motion.dx + ny * motion.dy) - (nx * obstacle.vx + ny * obstacle.vy) * h
+            closing = nx * motion.dx + ny * motion.dy - (nx * obstacle.vx + ny * obstacle.vy) * h
             if distance - self._robot.model.radius - closing <= _TOUCH:
                 relative = (obstacle.vx - velocity[0], obstacle.vy - velocity[1])
                 self._log.touch(obstacle, (drive.x, drive.y), (nx, ny), relative)

@@ -9,19 +9,17 @@ from crowdcosim.setup import Setup
 
 
 class Kinematic(Mover):
-    """A disc on two driven wheels. The command is `linear.x` and `angular.z` of the Twist; it ignores the rest."""
+    """A base that obeys at once, within its limits: differential, holonomic or car-like, as its robot file says."""
 
     def reset(self, setup: Setup) -> RobotStep:
         """The robot at its start pose, at rest. Raises ValueError if the component belongs to no robot."""
-        model = setup.own_robot.model
         self._h = setup.dt / INNER_STEPS
-        self._top_speed = max(model.max_speed, -model.min_speed)
         self._chassis = Chassis(setup)
         return self._chassis.output()
 
     def step(self, twist: Twist, crowd: Crowd, others: tuple[RobotState, ...]) -> RobotStep:
         chassis = self._chassis
-        chassis.begin_step(crowd, others, self._top_speed)
+        chassis.begin_step(crowd, others, chassis.drive.top_speed)
         for _ in range(INNER_STEPS):
-            chassis.move(chassis.drive.plan(twist.linear.x, twist.angular.z, self._h), self._h)
+            chassis.move(chassis.drive.plan(twist, self._h), self._h)
         return chassis.end_step()

@@ -17,10 +17,12 @@ from pathlib import Path
 from typing import Protocol
 
 from components.robot.chassis import INNER_STEPS, Chassis, RobotStep
+from components.robot.differential import DifferentialDrive
 from components.robot.fmu_parts import Variables
-from components.robot.motor import TURTLEBOT2, Motor, NativeMotors, Vehicle
-from crowdcosim.component import Mover
+from components.robot.motor import Motor, NativeMotors, Vehicle
+from crowdcosim.component import ComponentError, Mover
 from crowdcosim.messages import Crowd, RobotState, Twist
+from crowdcosim.robots import Differential, Robot
 from crowdcosim.setup import Setup
 
 GRAVITY = 9.81
@@ -31,10 +33,6 @@ GRAVITY = 9.81
 class Config:
     """Options of `Wheels`."""
 
-    wheel_radius: float = TURTLEBOT2.wheel_radius
-    """[m]"""
-    track: float = TURTLEBOT2.track
-    """distance between the wheels [m]"""
     grip: float = 0.8
     """coefficient of friction between tyres and floor [1]"""
     motor: Motor = field(default_factory=Motor)
@@ -48,9 +46,8 @@ class Config:
     """start values of the FMU's own variables, in its units"""
 
     def __post_init__(self) -> None:
-        for name in ("wheel_radius", "track", "grip"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected more than zero")
+        if not self.grip > 0.0:
+            raise ValueError(f"grip is {self.grip}, expected more than zero")
         for name, without in (("variables", None), ("parameters", {})):
             if self._own_file is None and getattr(self, name) != without:
                 raise ValueError(f"{name} is given, expected none: only an FMU of your own (`fmu: FILE`) has them")
@@ -81,34 +78,30 @@ class Wheels(Mover):
     def reset(self, setup: Setup) -> RobotStep:
         """The robot at its start pose, at rest.
 
-        Raises ValueError if the component belongs to no robot, ComponentError if the FMU cannot be had or used.
+        Raises ValueError if the component belongs to no robot, ComponentError if that has no two wheels whose measures
+        are known, or if the FMU cannot be had or used.
         """
         model = setup.own_robot.model
         config = self._config
         self._model = model
         self._h = setup.dt / INNER_STEPS
-        self._vehicle = Vehicle(
-            wheel_radius=config.wheel_radius,
-            track=config.track,
-            mass=model.mass,
-            yaw_inertia=0.5 * model.mass * model.radius**2,
-        )
+        self._vehicle = vehicle = _vehicle_of(setup.own_robot)
         if self._motors is None:
             self._motors = self._new_motors(setup)
         self._motors.reset()
         self._wheels = (0.0, 0.0)
         self._acceleration = config.grip * GRAVITY
-        self._angular_acceleration = 0.5 * config.grip * model.mass * GRAVITY * config.track / self._vehicle.yaw_inertia
-        self._most_load = 0.5 * config.grip * model.mass * GRAVITY * config.wheel_radius
+        self._angular_acceleration = 0.5 * config.grip * model.mass * GRAVITY * vehicle.track / vehicle.yaw_inertia
+        self._most_load = 0.5 * config.grip * model.mass * GRAVITY * vehicle.wheel_radius
         self._chassis = Chassis(setup)
         return self._chassis.output()
 
     def step(self, twist: Twist, crowd: Crowd, others: tuple[RobotState, ...]) -> RobotStep:
-        model, chassis = self._model, self._chassis
+        model, chassis, vehicle = self._model, self._chassis, self._vehicle
         speed = min(max(twist.linear.x, model.min_speed), model.max_speed)
         turn_rate = min(max(twist.angular.z, -model.max_angular_velocity), model.max_angular_velocity)
-        aside = 0.5 * turn_rate * self._config.track
-        command = ((speed - aside) / self._config.wheel_radius, (speed + aside) / self._config.wheel_radius)
+        aside = 0.5 * turn_rate * vehicle.track
+        command = ((speed - aside) / vehicle.wheel_radius, (speed + aside) / vehicle.wheel_radius)
         chassis.begin_step(crowd, others, self._top_speed())
         for _ in range(INNER_STEPS):
             self._inner_step(command, speed)
@@ -117,14 +110,15 @@ class Wheels(Mover):
     def _inner_step(self, command: tuple[float, float], speed: float) -> None:
         """Let the motors turn the wheels towards `command` [rad/s], which drives the robot at `speed` [m/s]."""
         assert self._motors is not None
-        chassis, config = self._chassis, self._config
+        chassis, vehicle = self._chassis, self._vehicle
+        assert isinstance(chassis.drive, DifferentialDrive)
         load = 0.0
         if speed and chassis.touches(speed):
             load = self._most_load if speed > 0.0 else -self._most_load
         self._wheels = left, right = self._motors.step(command, (load, load), self._h)
         motion = chassis.drive.approach(
-            0.5 * config.wheel_radius * (left + right),
-            config.wheel_radius * (right - left) / config.track,
+            0.5 * vehicle.wheel_radius * (left + right),
+            vehicle.wheel_radius * (right - left) / vehicle.track,
             self._acceleration,
             self._angular_acceleration,
             self._h,
@@ -156,3 +150,23 @@ class Wheels(Mover):
             wheel_inertia=config.motor.wheel_inertia,
             h=self._h,
         )
+
+
+def _vehicle_of(robot: Robot) -> Vehicle:
+    model, base = robot.model, robot.model.base
+    if not isinstance(base, Differential):
+        raise ComponentError(
+            f"the base of '{robot.name}' is of kind '{base.kind}', expected 'differential': motors turn two wheels "
+            "on one axis; use the drive `kinematic` or `forces`, or change the robot's model"
+        )
+    if base.wheel_radius is None or base.track is None:
+        raise ComponentError(
+            f"the model of '{robot.name}' gives no wheel_radius and track, expected both where motors turn the wheels: "
+            "add them to its robot file, `base: {kind: differential, wheel_radius: ..., track: ...}`"
+        )
+    return Vehicle(
+        wheel_radius=base.wheel_radius,
+        track=base.track,
+        mass=model.mass,
+        yaw_inertia=0.5 * model.mass * model.radius**2,
+    )

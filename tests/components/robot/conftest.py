@@ -9,7 +9,7 @@ import pytest
 
 from components.robot.kinematic import Kinematic, RobotStep
 from crowdcosim.messages import Crowd, Twist, Vector3
-from crowdcosim.robots import Pose, Robot, RobotModel, Target
+from crowdcosim.robots import Differential, Pose, Robot, RobotModel, Target
 from crowdcosim.setup import Setup
 from crowdcosim.world import World
 
@@ -22,6 +22,7 @@ TURTLEBOT = RobotModel(
     max_acceleration=5.0,
     max_angular_velocity=np.pi,
     max_angular_acceleration=10.0,
+    base=Differential(wheel_radius=0.035, track=0.230),
 )
 OPEN = World(size=(50.0, 10.0))
 
@@ -49,8 +50,8 @@ class Bodies:
         return self.last
 
 
-def _twist(speed: float = 0.0, turn_rate: float = 0.0) -> Twist:
-    return Twist(linear=Vector3(x=speed), angular=Vector3(z=turn_rate))
+def _twist(speed: float = 0.0, turn_rate: float = 0.0, lateral_speed: float = 0.0) -> Twist:
+    return Twist(linear=Vector3(x=speed, y=lateral_speed), angular=Vector3(z=turn_rate))
 
 
 def _people(*rows: tuple[float, float, float, float], stature: float = 1.75) -> Crowd:
@@ -77,7 +78,7 @@ def bodies() -> type[Bodies]:
 
 @pytest.fixture(scope="session")
 def twist() -> Callable[..., Twist]:
-    """A command from speed [m/s] and turn rate [rad/s]."""
+    """A command from speed [m/s], turn rate [rad/s] and speed to the left [m/s]."""
     return _twist
 
 

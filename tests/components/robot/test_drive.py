@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from components.robot.drive import DifferentialDrive, chord
+from components.robot.differential import DifferentialDrive
+from components.robot.drive import chord
 from components.robot.kinematic import Kinematic
 from crowdcosim.component import ports_of
 from crowdcosim.messages import Contacts, RobotState
@@ -93,11 +94,11 @@ def test_full_turn_on_the_spot_comes_back_to_the_same_heading(bodies, twist):
     commands=st.lists(st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)), min_size=1, max_size=20),
     h=st.floats(1e-4, 0.5),
 )
-def test_no_command_exceeds_the_limits(turtlebot, commands, h):
+def test_no_command_exceeds_the_limits(turtlebot, twist, commands, h):
     drive = DifferentialDrive(model=turtlebot, x=0.0, y=0.0, heading=0.0)
     for speed, turn_rate in commands:
         before = (drive.speed, drive.turn_rate)
-        drive.move(drive.plan(speed, turn_rate, h), share=1.0)
+        drive.move(drive.plan(twist(speed, turn_rate), h))
         assert -0.2 <= drive.speed <= 1.0
         assert abs(drive.turn_rate) <= math.pi
         assert abs(drive.speed - before[0]) <= 5.0 * h + ROUNDING
