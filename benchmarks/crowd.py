@@ -49,7 +49,7 @@ def world_of(people: int) -> World:
 def people_at_start(people: int) -> Scene:
     """Half of them walk along x, half against it."""
     rng, world = np.random.default_rng(1), world_of(people)
-    position = place(rng, people, 0.3, world, np.empty((0, 3)))
+    position = place(rng, np.full(people, 0.3), world, np.empty((0, 3)))
     speed = np.clip(rng.normal(1.3, 0.2, people), 0.8, 1.8)
     preferred = np.column_stack([np.where(np.arange(people) % 2, -speed, speed), np.zeros(people)])
     return Scene(

@@ -7,6 +7,7 @@ range is more than half the period.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +51,16 @@ class Cells(NamedTuple):
 def shortest(d: float, period: float) -> float:
     """A difference of coordinates, across the seam where that is shorter [m]; exact for any number of periods."""
     return d - period * np.round(d / period) if period > 0.0 else d
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def into_period(x: float, period: float) -> float:
+    """A coordinate moved by whole periods into [0, period)."""
+    if period <= 0.0:
+        return x
+    x -= math.floor(x / period) * period
+    # A tiny negative coordinate rounds to the period itself, which is the other name of 0.
+    return 0.0 if x >= period else x
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -189,9 +189,9 @@ class CrowdModel(Mover):
         robots = np.array([(r.start.x, r.start.y, r.model.radius) for r in setup.robots], np.float64).reshape(-1, 3)
         if config.positions is None:
             assert config.count is not None, "Config checks that one of them is given"
-            return place(setup.rng(PLACES), config.count, float(config.radius), world, robots)
+            return place(setup.rng(PLACES), np.full(config.count, config.radius, np.float64), world, robots)
         position = np.array(config.positions, np.float64).reshape(-1, 2)
-        check(position, float(config.radius), world, robots)
+        check(position, np.full(len(position), config.radius, np.float64), world, robots)
         return position
 
     def _next(self, old: _State, robots: Array) -> _State:

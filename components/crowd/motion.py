@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from components.crowd.cells import gather, shortest, sort_into_cells
+from components.crowd.cells import gather, into_period, shortest, sort_into_cells
 from components.crowd.scene import Scene
 from components.crowd.walls import nearest_on_segment, seen_from
 
@@ -102,16 +102,6 @@ def _crossed(walls: Array, x: float, y: float, sx: float, sy: float, period: Arr
     return -1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _into_period(x: float, period: float) -> float:
-    """A coordinate moved by whole periods into [0, period)."""
-    if period <= 0.0:
-        return x
-    x -= math.floor(x / period) * period
-    # A tiny negative coordinate rounds to the period itself, which is the other name of 0.
-    return 0.0 if x >= period else x
-
-
 def move(scene: Scene, acceleration: Array) -> tuple[Array, Array]:
     """Positions and velocities, both (N, 2), one step later [m, m/s].
 
@@ -165,6 +155,6 @@ def _move(
             if _crossed(walls, x, y, vx * dt, vy * dt, period) >= 0:
                 vx, vy = 0.0, 0.0
         new_velocity[i, 0], new_velocity[i, 1] = vx, vy
-        new_position[i, 0] = _into_period(x + vx * dt, period[0])
-        new_position[i, 1] = _into_period(y + vy * dt, period[1])
+        new_position[i, 0] = into_period(x + vx * dt, period[0])
+        new_position[i, 1] = into_period(y + vy * dt, period[1])
     return new_position, new_velocity

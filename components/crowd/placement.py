@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from components.crowd.cells import shortest
+from components.crowd.cells import into_period, shortest
 from components.crowd.walls import nearest_on_segment, seen_from
 from crowdcosim.world import World
 
@@ -40,108 +40,161 @@ def _is_free(x: float, y: float, radius: float, robots: Array, walls: Array, per
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _touches_placed(
+    x: float,
+    y: float,
+    radius: float,
+    placed: Array,
+    radii: Array,
+    period: Array,
+    head: NDArray[np.int64],
+    following: NDArray[np.int64],
+    size: Array,
+) -> bool:
+    """True if a disc at (x, y) overlaps with somebody placed; `head` and `following` chain the people of each cell."""
+    columns, rows = head.shape
+    column, row = min(int(x / size[0]), columns - 1), min(int(y / size[1]), rows - 1)
+    for dc in range(-1, 2):
+        for dr in range(-1, 2):
+            k, m = column + dc, row + dr
+            if period[0] > 0.0:
+                k %= columns
+            if period[1] > 0.0:
+                m %= rows
+            if k < 0 or m < 0 or k >= columns or m >= rows:
+                continue
+            j = head[k, m]
+            while j >= 0:
+                dx, dy = shortest(placed[j, 0] - x, period[0]), shortest(placed[j, 1] - y, period[1])
+                if dx * dx + dy * dy < (radius + radii[j]) ** 2:
+                    return True
+                j = following[j]
+    return False
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _add(
     candidates: Array,
     placed: Array,
-    count: int,
+    radii: Array,
+    offset: Array,
+    first: NDArray[np.int64],
+    party: int,
     misses: int,
     patience: int,
-    radius: float,
     robots: Array,
     walls: Array,
     period: Array,
+    extent: Array,
+    whole: bool,
     head: NDArray[np.int64],
     following: NDArray[np.int64],
     size: Array,
 ) -> tuple[int, int]:
     """Take candidates (K, 2) in turn until all are placed or `patience` misses came in a row; returns both counts.
 
-    `head` (columns, rows) and `following` chain the placed people of each cell; cells are at least a diameter wide.
+    Party p is the people first[p] to first[p + 1], each at an offset from the party's middle;
+    `whole` discs are inside the world, not only their centres.
     """
     columns, rows = head.shape
     for c in range(len(candidates)):
-        if count == len(placed) or misses >= patience:
+        if party == len(first) - 1 or misses >= patience:
             break
-        x, y = candidates[c, 0], candidates[c, 1]
-        column, row = min(int(x / size[0]), columns - 1), min(int(y / size[1]), rows - 1)
-        free = _is_free(x, y, radius, robots, walls, period)
-        for dc in range(-1, 2):
-            for dr in range(-1, 2):
-                k, m = column + dc, row + dr
-                if period[0] > 0.0:
-                    k %= columns
-                if period[1] > 0.0:
-                    m %= rows
-                if not free or k < 0 or m < 0 or k >= columns or m >= rows:
-                    continue
-                j = head[k, m]
-                while j >= 0:
-                    dx, dy = shortest(placed[j, 0] - x, period[0]), shortest(placed[j, 1] - y, period[1])
-                    if dx * dx + dy * dy < 4.0 * radius * radius:
-                        free = False
-                        break
-                    j = following[j]
-        if free:
-            placed[count, 0], placed[count, 1] = x, y
-            following[count], head[column, row] = head[column, row], count
-            count += 1
-            misses = 0
-        else:
+        free = True
+        for i in range(first[party], first[party + 1]):
+            x, y, r = candidates[c, 0] + offset[i, 0], candidates[c, 1] + offset[i, 1], radii[i]
+            x = into_period(x, period[0])
+            y = into_period(y, period[1])
+            placed[i, 0], placed[i, 1] = x, y
+            free = free and (not whole or period[0] > 0.0 or r <= x <= extent[0] - r)
+            free = free and (not whole or period[1] > 0.0 or r <= y <= extent[1] - r)
+            free = free and _is_free(x, y, r, robots, walls, period)
+            free = free and not _touches_placed(x, y, r, placed, radii, period, head, following, size)
+        if not free:
             misses += 1
-    return count, misses
+            continue
+        for i in range(first[party], first[party + 1]):
+            column = min(int(placed[i, 0] / size[0]), columns - 1)
+            row = min(int(placed[i, 1] / size[1]), rows - 1)
+            following[i], head[column, row] = head[column, row], i
+        party += 1
+        misses = 0
+    return party, misses
 
 
 class _Floor:
     """The floor as it fills up."""
 
-    def __init__(self, count: int, radius: float, world: World, robots: Array) -> None:
-        self.placed = np.empty((count, 2))
-        self.count = 0
+    def __init__(
+        self, radius: Array, offset: Array, parties: NDArray[np.int64], world: World, robots: Array, *, whole: bool
+    ) -> None:
+        self.placed = np.empty((len(radius), 2))
+        self.party = 0
         self._misses = 0
-        self._scene = (radius, robots, world.segments_for_people, world.period)
+        self._first = np.concatenate([[0], np.cumsum(parties)])
+        self._people = (radius, offset, self._first)
         extent = np.asarray(world.size, np.float64)
-        cells = np.maximum((extent / (2 * radius)).astype(int), 1)
-        self._chains = (np.full(cells, -1, np.int64), np.full(count, -1, np.int64), extent / cells)
+        self._scene = (robots, world.segments_for_people, world.period, extent, whole)
+        # Cells are at least the greatest diameter wide.
+        cells = np.maximum((extent / (2 * radius.max(initial=0.01))).astype(int), 1)
+        self._chains = (np.full(cells, -1, np.int64), np.full(len(radius), -1, np.int64), extent / cells)
+
+    @property
+    def count(self) -> int:
+        """How many people are placed."""
+        return int(self._first[self.party])
 
     def add(self, candidates: Array, patience: int) -> bool:
-        """Place what fits of the candidates (K, 2); False after `patience` misses in a row."""
-        self.count, self._misses = _add(
-            candidates, self.placed, self.count, self._misses, patience, *self._scene, *self._chains
+        """Place the parties that fit at the candidates (K, 2); False after `patience` misses in a row."""
+        self.party, self._misses = _add(
+            candidates, self.placed, *self._people, self.party, self._misses, patience, *self._scene, *self._chains
         )
         return self._misses < patience
 
 
-def place(rng: np.random.Generator, count: int, radius: float, world: World, robots: Array) -> Array:
-    """(count, 2) random centres of discs that overlap neither each other, nor robots, nor walls [m].
+def place(
+    rng: np.random.Generator,
+    radius: Array,
+    world: World,
+    robots: Array,
+    *,
+    offset: Array | None = None,
+    parties: NDArray[np.int64] | None = None,
+) -> Array:
+    """(N, 2) random centres of discs that overlap neither each other, nor robots, nor walls [m].
 
     Args:
         rng: where chance comes from
-        count: how many
-        radius: of everybody [m]
+        radius: (N,) of the discs [m]
         world: its extent, seams and walls; along an axis that does not wrap around the whole disc is inside
         robots: (M, 3) x, y and radius of the robots at their start [m]
+        offset: (N, 2) from the middle of the party that somebody belongs to [m]; none
+        parties: (P,) how many people, in their order, are placed together; everybody alone
 
     Raises:
         ValueError: if there is no room.
     """
+    count = len(radius)
+    offset = np.zeros((count, 2)) if offset is None else offset
+    parties = np.ones(count, np.int64) if parties is None else parties
     extent = np.asarray(world.size, np.float64)
-    margin = np.where(world.period > 0, 0.0, radius)
-    floor = _Floor(count, radius, world, robots)
+    margin = np.where(world.period > 0, 0.0, radius.min(initial=np.inf) if count else 0.0)
+    floor = _Floor(radius, offset, parties, world, robots, whole=True)
     room = bool((extent > 2 * margin).all())
     while room and floor.count < count:
         room = floor.add(margin + rng.random((1024, 2)) * (extent - 2 * margin), ATTEMPTS)
     if not room:
-        share = count * math.pi * radius**2 / (world.size[0] * world.size[1])
+        share = math.pi * (radius**2).sum() / (world.size[0] * world.size[1])
         raise ValueError(
-            f"no room for person {floor.count + 1} of {count} with radius {radius:g} m in a world of "
+            f"no room for person {floor.count + 1} of {count} with radius {radius[floor.count]:g} m in a world of "
             f"{world.size[0]:g} x {world.size[1]:g} m: all would take up {share:.0%} of it, and random placing stops "
             "at about 55%, less what walls and robots take; lower `count` or `radius`, or give `positions`"
         )
     return floor.placed
 
 
-def check(position: Array, radius: float, world: World, robots: Array) -> None:
-    """Check that given centres (N, 2) [m] are inside and overlap by no more than files round.
+def check(position: Array, radius: Array, world: World, robots: Array) -> None:
+    """Check that given centres (N, 2) of discs (N,) [m] are inside and overlap by no more than files round.
 
     Raises:
         ValueError: with the index of the first that does not fit.
@@ -154,13 +207,18 @@ def check(position: Array, radius: float, world: World, robots: Array) -> None:
         raise ValueError(
             f"positions[{i}] is {position[i].tolist()}, expected within the world of {extent[0]:g} x {extent[1]:g} m"
         )
-    floor = _Floor(len(position), (1.0 - TOLERATED) * radius, world, robots)
+    count = len(position)
+    floor = _Floor(
+        (1.0 - TOLERATED) * radius, np.zeros((count, 2)), np.ones(count, np.int64), world, robots, whole=False
+    )
     if floor.add(position, patience=1):
         return
     i = floor.count
     gaps = np.hypot(*world.displacement(position[i], position[:i]).T)
-    if (gaps < 2 * (1.0 - TOLERATED) * radius).any():
-        what = f"{gaps.min():.3f} m from positions[{gaps.argmin()}], expected at least {2 * radius:g} m"
+    lacking = radius[i] + radius[:i] - gaps
+    if (lacking > TOLERATED * (radius[i] + radius[:i])).any():
+        j = int(lacking.argmax())
+        what = f"{gaps[j]:.3f} m from positions[{j}], expected at least {radius[i] + radius[j]:g} m"
     else:
-        what = f"less than {radius:g} m from a wall that stops people, or on a robot's start: move it or the robot"
+        what = f"less than {radius[i]:g} m from a wall that stops people, or on a robot's start: move it or the robot"
     raise ValueError(f"positions[{i}] is {position[i].tolist()}, {what}")
