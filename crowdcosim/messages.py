@@ -411,14 +411,25 @@ class Contacts(CoercedMessage):
     LOWER_LEGS: ClassVar[int] = 2
     UPPER_LEGS: ClassVar[int] = 3
     UPPER_BODY: ClassVar[int] = 4
+    FRONT: ClassVar[int] = 1
+    LEFT: ClassVar[int] = 2
+    REAR: ClassVar[int] = 3
+    RIGHT: ClassVar[int] = 4
+    NEITHER: ClassVar[int] = 0
+    BY_ROBOT: ClassVar[int] = 1
+    BY_OTHER: ClassVar[int] = 2
+    BY_BOTH: ClassVar[int] = 3
     _ARRAYS: ClassVar[tuple[ArrayField, ...]] = (
         ArrayField("kind", np.dtype(np.uint8), ("C",)),
         ArrayField("agent", np.dtype(np.uint32), ("C",)),
         ArrayField("body_part", np.dtype(np.uint8), ("C",)),
+        ArrayField("robot_part", np.dtype(np.uint8), ("C",)),
+        ArrayField("striker", np.dtype(np.uint8), ("C",)),
         ArrayField("position", np.dtype(np.float64), ("C", 2)),
         ArrayField("normal", np.dtype(np.float64), ("C", 2)),
         ArrayField("relative_velocity", np.dtype(np.float64), ("C", 2)),
         ArrayField("approach_speed", np.dtype(np.float64), ("C",)),
+        ArrayField("robot_closing_speed", np.dtype(np.float64), ("C",)),
         ArrayField("reflected_mass", np.dtype(np.float64), ("C",)),
         ArrayField("energy", np.dtype(np.float64), ("C",)),
         ArrayField("duration", np.dtype(np.float64), ("C",)),
@@ -434,6 +445,10 @@ class Contacts(CoercedMessage):
     """(C,) a person's id, a robot's number (from 1, in the order of the scenario) or a wall's (from 1)"""
     body_part: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
     """(C,) the person's part, NO_PART if it is not a person"""
+    robot_part: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    """(C,) FRONT, LEFT, REAR or RIGHT: the quarter of its rim that was touched first"""
+    striker: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    """(C,) who ran into whom: who moved towards the other when they met"""
     position: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
     """(C, 2) point of contact [m]"""
     normal: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
@@ -442,6 +457,8 @@ class Contacts(CoercedMessage):
     """(C, 2) velocity of the other minus the robot's, when they met [m/s]"""
     approach_speed: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
     """(C,) closing speed of the two centres when they met, positive when closing [m/s]"""
+    robot_closing_speed: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
+    """(C,) what the robot's own motion has of approach_speed [m/s]"""
     reflected_mass: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))
     """(C,) of the body part or the other robot, 0 for a wall [kg]"""
     energy: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0, np.float64))

@@ -28,7 +28,7 @@ from components.robot.contact import ContactLog
 from components.robot.differential import DifferentialDrive
 from components.robot.drive import ALONG, Bound, Drive, Motion
 from components.robot.holonomic import HolonomicDrive
-from components.robot.surroundings import Near, Obstacle, Surroundings
+from components.robot.surroundings import Obstacle, Surroundings
 from crowdcosim.messages import Contacts, Crowd, Header, RobotState
 from crowdcosim.setup import Setup, time_of
 
@@ -117,10 +117,17 @@ class Chassis:
         reach = self._robot.model.radius + math.hypot(motion.dx, motion.dy) + _TOUCH
         near = self._surroundings.near(drive.x, drive.y, reach, h)
         bounds = [self._bound(motion, *obstacle, h) for obstacle in near]
+        until = min(drive.stops_after(motion, bounds), 1.0)
         left = drive.left_of(motion, bounds, h)
         drive.move(left)
-        self._note_contacts(left, velocity, near, h)
-        self._halt_robots(motion, near, bounds, h)
+        for (obstacle, distance, nx, ny), bound in zip(near, bounds, strict=True):
+            met = bound.share <= until
+            closing = nx * left.dx + ny * left.dy - (nx * obstacle.vx + ny * obstacle.vy) * h
+            if met or distance - self._robot.model.radius - closing <= _TOUCH:
+                self._log.touch(obstacle, (drive.x, drive.y), drive.heading, (nx, ny), velocity)
+            # A robot that drives at this one stops where they meet, if this one is still on its way.
+            if met and obstacle.kind == Contacts.ROBOT and nx * obstacle.vx + ny * obstacle.vy < 0.0:
+                self._surroundings.halt(obstacle, bound.share * h)
         self._surroundings.advance(h)
 
     def _bound(self, motion: Motion, obstacle: Obstacle, distance: float, nx: float, ny: float, h: float) -> Bound:
@@ -132,23 +139,6 @@ class Chassis:
         if 0.0 < gap >= mine - theirs:
             return Bound(nx, ny, most, math.inf)
         return Bound(nx, ny, most, gap / (mine - theirs) if gap > 0.0 else 0.0)
-
-    def _halt_robots(self, motion: Motion, near: list[Near], bounds: list[Bound], h: float) -> None:
-        """Let robots that drive at this one stop where they meet it, if they do while it is on its way."""
-        until = min(self.drive.stops_after(motion, bounds), 1.0)
-        for (obstacle, _, nx, ny), bound in zip(near, bounds, strict=True):
-            closing = nx * obstacle.vx + ny * obstacle.vy < 0.0
-            if obstacle.kind == Contacts.ROBOT and closing and bound.share <= until:
-                self._surroundings.halt(obstacle, bound.share * h)
-
-    def _note_contacts(self, motion: Motion, velocity: tuple[float, float], near: list[Near], h: float) -> None:
-        """Log all that touch the robot after `motion`, begun at `velocity` [m/s]."""
-        drive = self.drive
-        for obstacle, distance, nx, ny in near:
-            closing = nx * motion.dx + ny * motion.dy - (nx * obstacle.vx + ny * obstacle.vy) * h
-            if distance - self._robot.model.radius - closing <= _TOUCH:
-                relative = (obstacle.vx - velocity[0], obstacle.vy - velocity[1])
-                self._log.touch(obstacle, (drive.x, drive.y), (nx, ny), relative)
 
     def _people(self, crowd: Crowd, top_speed: float) -> list[Obstacle]:
         """The people whom the robot may touch in this step, in the image next to it."""

@@ -8,6 +8,7 @@ step, or from one step to the next, is one contact: else a robot at somebody's h
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,11 +29,23 @@ def impact_energy(approach_speed: float, reflected_mass: float, robot_mass: floa
     return 0.5 * approach_speed**2 / (1.0 / reflected_mass + 1.0 / robot_mass)
 
 
+def part_of_rim(normal: tuple[float, float], heading: float) -> int:
+    """The quarter of a robot's rim (a constant of `Contacts`) in the direction `normal`, at a `heading` [rad]."""
+    bearing = math.atan2(normal[1], normal[0]) - heading
+    return _QUARTERS[round(bearing / (0.5 * math.pi)) % 4]
+
+
+_QUARTERS = (Contacts.FRONT, Contacts.LEFT, Contacts.REAR, Contacts.RIGHT)
+
+
 @dataclass(slots=True, kw_only=True)
 class _Contact:
     obstacle: Obstacle
+    robot_part: int
+    striker: int
     relative_velocity: tuple[float, float]
     approach_speed: float
+    robot_closing_speed: float
     energy: float
     position: tuple[float, float]
     normal: tuple[float, float]
@@ -54,23 +67,29 @@ class ContactLog:
         self,
         obstacle: Obstacle,
         position: tuple[float, float],
+        heading: float,
         normal: tuple[float, float],
-        relative_velocity: tuple[float, float],
+        velocity: tuple[float, float],
     ) -> None:
-        """Note that the robot at `position` [m] touches `obstacle` in the direction `normal`.
+        """Note that the robot at `position` [m], heading there [rad], touches `obstacle` in the direction `normal`.
 
-        `relative_velocity` of the obstacle, seen from the robot [m/s], counts when this is how they meet.
+        `velocity` of the robot [m/s], and that of the obstacle, count when this is how they meet.
         """
         key = (obstacle.kind, obstacle.agent)
         contact = self._now.get(key)
         if contact is None and (contact := self._before.get(key)) is not None:
             contact.steps += 1
         if contact is None:
-            speed = -(relative_velocity[0] * normal[0] + relative_velocity[1] * normal[1])
+            mine = velocity[0] * normal[0] + velocity[1] * normal[1]
+            theirs = -(obstacle.vx * normal[0] + obstacle.vy * normal[1])
+            speed = mine + theirs
             contact = _Contact(
                 obstacle=obstacle,
-                relative_velocity=relative_velocity,
+                robot_part=part_of_rim(normal, heading),
+                striker=Contacts.BY_ROBOT * (mine > 0.0) + Contacts.BY_OTHER * (theirs > 0.0),
+                relative_velocity=(obstacle.vx - velocity[0], obstacle.vy - velocity[1]),
                 approach_speed=speed,
+                robot_closing_speed=mine,
                 energy=impact_energy(speed, obstacle.reflected_mass, self._mass),
                 position=position,
                 normal=normal,
@@ -91,10 +110,13 @@ class ContactLog:
             kind=np.array([c.obstacle.kind for c in contacts], np.uint8),
             agent=np.array([c.obstacle.agent for c in contacts], np.uint32),
             body_part=np.array([c.obstacle.body_part for c in contacts], np.uint8),
+            robot_part=np.array([c.robot_part for c in contacts], np.uint8),
+            striker=np.array([c.striker for c in contacts], np.uint8),
             position=np.array([c.position for c in contacts]),
             normal=np.array([c.normal for c in contacts]),
             relative_velocity=np.array([c.relative_velocity for c in contacts]),
             approach_speed=np.array([c.approach_speed for c in contacts]),
+            robot_closing_speed=np.array([c.robot_closing_speed for c in contacts]),
             reflected_mass=np.array([c.obstacle.reflected_mass for c in contacts]),
             energy=np.array([c.energy for c in contacts]),
             duration=np.array([c.steps * dt for c in contacts]),

@@ -294,10 +294,13 @@ def report(agent: list[int], duration: list[float], **fields: Any) -> Contacts:
     values: dict[str, Any] = {
         "kind": [Contacts.PERSON] * n,
         "body_part": [Contacts.FEET] * n,
+        "robot_part": [Contacts.FRONT] * n,
+        "striker": [Contacts.BY_BOTH] * n,
         "position": np.zeros((n, 2)),
         "normal": np.zeros((n, 2)),
         "relative_velocity": np.zeros((n, 2)),
         "approach_speed": np.zeros(n),
+        "robot_closing_speed": np.zeros(n),
         "reflected_mass": np.zeros(n),
         "energy": np.zeros(n),
     }

@@ -58,6 +58,7 @@ def test_people_are_drawn_five_times_a_second(crowd: Crowd) -> None:
 
 def test_a_contact_is_drawn_when_it_begins_unless_it_is_with_a_wall() -> None:
     common: dict[str, Any] = {"body_part": [0, 0, 0], "reflected_mass": [1.0] * 3, "energy": [1.0] * 3}
+    common |= {"robot_part": [1] * 3, "striker": [1] * 3, "robot_closing_speed": [1.0] * 3}
     contacts = Contacts(
         robot="robot",
         kind=[Contacts.PERSON, Contacts.PERSON, Contacts.WALL],

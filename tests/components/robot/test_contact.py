@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from components.robot.body_part import REFLECTED_MASS, TouchedPart
-from components.robot.contact import impact_energy
+from components.robot.contact import impact_energy, part_of_rim
 from crowdcosim.message import check_finite
 from crowdcosim.messages import Contacts
 from crowdcosim.robots import Pose
@@ -99,12 +99,52 @@ def test_head_on_contact_is_reported_in_full(bodies, twist, people):
     assert contacts.agent.tolist() == [101]
     assert contacts.body_part.tolist() == [Contacts.FEET]
     assert contacts.reflected_mass.tolist() == [4.0]
+    assert contacts.robot_part.tolist() == [Contacts.FRONT]
+    assert contacts.striker.tolist() == [Contacts.BY_BOTH]
     assert contacts.relative_velocity[0] == pytest.approx([-1.5, 0.0], abs=1e-12)
+    assert contacts.robot_closing_speed == pytest.approx([1.0], abs=1e-12)
     assert contacts.approach_speed == pytest.approx([1.5], abs=1e-12)
     assert contacts.energy == pytest.approx([0.5 / (1 / 4 + 1 / 20) * 1.5**2], rel=1e-12)
     assert contacts.normal[0] == pytest.approx([1.0, 0.0], abs=1e-12)
     assert contacts.position[0] == pytest.approx([scene.last[0].state.position[0] + 0.177, 4.0], abs=1e-12)
     assert contacts.duration.tolist() == [0.0]
+
+
+@pytest.mark.parametrize(
+    ("speed", "person", "part", "striker", "mine"),
+    [
+        (1.0, (4.0, 4.0, 0.0, 0.0), Contacts.FRONT, Contacts.BY_ROBOT, 1.0),
+        (1.0, (4.0, 4.0, 0.5, 0.0), Contacts.FRONT, Contacts.BY_ROBOT, 1.0),  # it catches up with somebody
+        (0.0, (3.5, 4.0, -1.0, 0.0), Contacts.FRONT, Contacts.BY_OTHER, 0.0),
+        (0.0, (2.5, 4.0, 1.0, 0.0), Contacts.REAR, Contacts.BY_OTHER, 0.0),
+        (0.2, (2.5, 4.0, 1.0, 0.0), Contacts.REAR, Contacts.BY_OTHER, -0.2),  # it is caught up with
+        (0.0, (3.0, 4.5, 0.0, -1.0), Contacts.LEFT, Contacts.BY_OTHER, 0.0),
+        (0.0, (3.0, 3.5, 0.0, 1.0), Contacts.RIGHT, Contacts.BY_OTHER, 0.0),
+        (0.0, (3.4, 4.0, 1.0, 0.0), Contacts.FRONT, Contacts.NEITHER, 0.0),  # they overlap, and somebody leaves
+    ],
+)
+def test_who_ran_into_whom_is_told(bodies, twist, people, speed, person, part, striker, mine):
+    scene = bodies(Pose(x=3.0, y=4.0))
+    for _ in range(8):
+        scene.step(twist(speed), crowd=people())  # up to speed, away from everybody
+    x, y, vx, vy = person
+    x += scene.last[0].state.position[0] - 3.0
+    for _ in range(20):
+        contacts = scene.step(twist(speed), crowd=people((x, y, vx, vy)))[0].contacts
+        x, y = x + 0.1 * vx, y + 0.1 * vy
+        if len(contacts.kind):
+            break
+    assert (contacts.robot_part.tolist(), contacts.striker.tolist()) == ([part], [striker])
+    assert contacts.robot_closing_speed == pytest.approx([mine], abs=1e-12)
+    assert contacts.approach_speed == pytest.approx([mine - contacts.normal[0] @ (vx, vy)], abs=1e-12)
+
+
+@given(heading=st.floats(-np.pi, np.pi), bearing=st.floats(-np.pi, np.pi))
+def test_the_quarter_of_the_rim_is_seen_from_the_robot(heading, bearing):
+    part = part_of_rim((np.cos(heading + bearing), np.sin(heading + bearing)), heading)
+    nearest = np.argmax([np.cos(bearing - middle) for middle in np.pi / 2 * np.arange(4)])
+    if abs(abs(bearing) % (np.pi / 2) - np.pi / 4) > 1e-9:
+        assert part == (Contacts.FRONT, Contacts.LEFT, Contacts.REAR, Contacts.RIGHT)[nearest]
 
 
 def test_a_lasting_contact_keeps_how_it_began_and_grows_older(bodies, twist, people):

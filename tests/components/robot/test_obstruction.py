@@ -229,13 +229,16 @@ def test_robots_that_touch_can_part(bodies, twist):
 
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_robots_that_jostle_overlap_by_less_than_one_steps_acceleration(bodies, twist, seed):
-    """Each takes the others to keep their velocity: it errs by a dt^2 / 2, a = 5 m/s2 forward, v omega sideways."""
+def test_robots_that_jostle_overlap_by_less_than_what_both_accelerate_in_one_step(bodies, twist, seed):
+    """Each takes the others to keep their velocity: it errs by a dt^2 / 2, a = 5 m/s2 forward, v omega sideways.
+
+    Of two, both may err.
+    """
     rng = np.random.default_rng(seed)
     starts = [Pose(x=x, y=y, heading=rng.uniform(-4, 4)) for x in (4.0, 4.6) for y in (4.0, 4.6)]
     world = World(size=(3.0, 10.0), periodic=(True, False))
     scene = bodies(*starts, world=world)
-    bound = 0.5 * math.hypot(5.0, math.pi) * 0.1**2
+    bound = 2 * 0.5 * math.hypot(5.0, math.pi) * 0.1**2
     for _ in range(60):
         results = scene.step(*(twist(*rng.uniform((-0.5, -3.0), (1.5, 3.0))) for _ in starts))
         states = [result.state for result in results]
