@@ -29,6 +29,7 @@ from components.crowd.placement import place
 from components.crowd.policies import PolicyName, make_policy
 from components.crowd.sampling import next_streams
 from components.crowd.scene import Scene
+from components.crowd.walls import Walls
 from crowdcosim.world import World
 
 WARM_UP = 20
@@ -59,7 +60,7 @@ def people_at_start(people: int) -> Scene:
         radius=np.full(people, 0.3),
         robots=np.empty((0, 5)),
         pushed_by_robots=np.ones(people, np.bool_),
-        walls=np.empty((0, 2, 2)),
+        walls=Walls(np.empty((0, 2, 2)), world.period),
         period=world.period.copy(),
         max_speed=np.full(people, 1.8),
         max_acceleration=np.full(people, 5.0),

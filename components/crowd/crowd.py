@@ -19,6 +19,7 @@ from components.crowd.policies import PolicyName, make_policy
 from components.crowd.sampling import next_streams
 from components.crowd.scene import Policy, Scene
 from components.crowd.steering import Recipe
+from components.crowd.walls import Walls
 from crowdcosim.component import Mover
 from crowdcosim.messages import Crowd, Header, RobotState
 from crowdcosim.setup import Setup, time_of
@@ -156,7 +157,7 @@ class CrowdModel(Mover):
             radius=np.full(count, config.radius, np.float64),
             robots=np.empty((0, 5)),
             pushed_by_robots=np.ones(count, np.bool_),
-            walls=world.segments_for_people.copy(),
+            walls=Walls.of(world),
             period=world.period.copy(),
             max_speed=np.full(count, config.max_speed, np.float64),
             max_acceleration=np.full(count, config.max_acceleration, np.float64),

@@ -4,7 +4,8 @@ a' = a limited to a_max; v' = v + a' dt limited to v_max; v'' = v' + (k / m) sum
 (van Toll et al. 2020, "Generalized microscopic crowd simulation using costs in velocity space", and the defaults of
 its library, k = 5000 N/m and m = 80 kg for everybody). Contacts come from the old positions: all move at once.
 
-Not in the paper: the limit of the stiffness for long time steps; nobody's centre passes a wall.
+Not in the paper: the limit of the stiffness for long time steps; nobody's centre passes a wall or
+an obstacle's edge, and an obstacle pushes from its nearest point.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 
 from components.crowd.cells import gather, into_period, shortest, sort_into_cells
 from components.crowd.scene import Scene
-from components.crowd.walls import nearest_on_segment, seen_from
+from components.crowd.walls import WallGrid, nearby, nearest_of_thing
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,9 @@ STABLE = 0.625
 """(k / m) dt^2 stays at or below this: a jam's fastest vibration has omega^2 = 6 k / m (hexagonal lattice), and the
 integration is stable for omega dt < 2, that is below 2 / 3; the default stiffness is within at dt = 0.1 s"""
 
+WALL_REACH = 1.0
+"""walls are looked for this far, or as far as the largest body, or the longest step [m]"""
+
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def contact_accelerations(
@@ -34,7 +38,7 @@ def contact_accelerations(
     radius: Array,
     robots: Array,
     pushed_by_robots: NDArray[np.bool_],
-    walls: Array,
+    walls: WallGrid,
     period: Array,
     dt: float,
 ) -> Array:
@@ -64,9 +68,9 @@ def contact_accelerations(
             x = shortest(robots[f, 0] - cells.x[k], period[0])
             y = shortest(robots[f, 1] - cells.y[k], period[1])
             _push_off(push, i, x, y, radius[i] + robots[f, 4], stiffness)
-        for f in range(len(walls)):
-            ax, ay, bx, by = seen_from(walls[f], cells.x[k], cells.y[k], period)
-            x, y, _ = nearest_on_segment(ax, ay, bx, by, 0.0, 0.0)
+        q, end = nearby(walls, cells.x[k], cells.y[k])
+        while q < end:
+            q, x, y = nearest_of_thing(walls, q, end, cells.x[k], cells.y[k])
             _push_off(push, i, x, y, radius[i], stiffness)
     return push
 
@@ -89,15 +93,24 @@ def _limit(x: float, y: float, greatest: float) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _crossed(walls: Array, x: float, y: float, sx: float, sy: float, period: Array) -> int:
-    """Index of a wall that the step (sx, sy) from (x, y) crosses, -1 if none."""
-    for f in range(len(walls)):
-        ax, ay, bx, by = seen_from(walls[f], x, y, period)
+def _crossed(walls: WallGrid, x: float, y: float, sx: float, sy: float) -> int:
+    """Row of `walls.ends` that the step (sx, sy) from (x, y) crosses, -1 if none."""
+    near = sx * sx + sy * sy <= walls.reach * walls.reach
+    begin, end = nearby(walls, x, y) if near else (0, len(walls.ends))
+    for q in range(begin, end):
+        f = walls.listed[q] if near else q
+        ax, ay, bx, by = walls.ends[f, 0] - x, walls.ends[f, 1] - y, walls.ends[f, 2] - x, walls.ends[f, 3] - y
         ux, uy = bx - ax, by - ay
+        # Positive on the right, outside of an obstacle.
         before, after = ux * ay - uy * ax, ux * (ay - sy) - uy * (ax - sx)
+        if walls.solid[f]:
+            # Whoever is inside may leave.
+            through = before >= 0.0 and after <= 0.0 and before != after
+        else:
+            # Who stands on the line itself may leave it to either side.
+            through = before != 0.0 and before * after <= 0.0
         on_a, on_b = sx * ay - sy * ax, sx * by - sy * bx
-        # Who stands on the line itself may leave it to either side.
-        if before != 0.0 and before * after <= 0.0 and on_a * on_b <= 0.0:
+        if through and on_a * on_b <= 0.0:
             return f
     return -1
 
@@ -116,7 +129,7 @@ def move(scene: Scene, acceleration: Array) -> tuple[Array, Array]:
         scene.radius,
         scene.robots,
         scene.pushed_by_robots,
-        scene.walls,
+        scene.walls.within(max(WALL_REACH, float(np.ceil(scene.radius.max(initial=0.0))))),
         scene.period,
         scene.max_speed,
         scene.max_acceleration,
@@ -132,7 +145,7 @@ def _move(
     radius: Array,
     robots: Array,
     pushed_by_robots: NDArray[np.bool_],
-    walls: Array,
+    walls: WallGrid,
     period: Array,
     max_speed: Array,
     max_acceleration: Array,
@@ -146,13 +159,13 @@ def _move(
         vx, vy = _limit(velocity[i, 0] + ax * dt, velocity[i, 1] + ay * dt, max_speed[i])
         vx, vy = vx + push[i, 0] * dt, vy + push[i, 1] * dt
         x, y = position[i, 0], position[i, 1]
-        wall = _crossed(walls, x, y, vx * dt, vy * dt, period)
+        wall = _crossed(walls, x, y, vx * dt, vy * dt)
         if wall >= 0:
             # Slide along it; whoever would then cross another stays.
-            ux, uy = walls[wall, 1, 0] - walls[wall, 0, 0], walls[wall, 1, 1] - walls[wall, 0, 1]
+            ux, uy = walls.ends[wall, 2] - walls.ends[wall, 0], walls.ends[wall, 3] - walls.ends[wall, 1]
             along = (vx * ux + vy * uy) / (ux * ux + uy * uy)
             vx, vy = along * ux, along * uy
-            if _crossed(walls, x, y, vx * dt, vy * dt, period) >= 0:
+            if _crossed(walls, x, y, vx * dt, vy * dt) >= 0:
                 vx, vy = 0.0, 0.0
         new_velocity[i, 0], new_velocity[i, 1] = vx, vy
         new_position[i, 0] = into_period(x + vx * dt, period[0])

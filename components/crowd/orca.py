@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from components.crowd.cells import gather, shortest, sort_into_cells
 from components.crowd.half_planes import best_velocity
 from components.crowd.scene import RANGE, Scene
-from components.crowd.walls import nearest_on_segment, seen_from
+from components.crowd.walls import WallGrid, nearby, nearest_on_segment
 
 Array = NDArray[np.float64]
 
@@ -51,12 +51,17 @@ class Orca:
             scene.preferred,
             scene.radius,
             scene.robots,
-            scene.walls,
+            scene.walls.within(self._reach(scene)),
             scene.period,
             scene.max_speed,
             np.full(len(scene.position), self.time_horizon),
             scene.dt,
         )
+
+    def _reach(self, scene: Scene) -> float:
+        """How far walls are looked for: whole metres, so that few grids are made."""
+        fastest, largest = scene.max_speed.max(initial=0.0), scene.radius.max(initial=0.0)
+        return float(math.ceil(np.max(self.time_horizon) * fastest + largest))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -198,14 +203,14 @@ def orca(
     preferred: Array,
     radius: Array,
     robots: Array,
-    walls: Array,
+    walls: WallGrid,
     period: Array,
     max_speed: Array,
     horizon: Array,
     dt: float,
 ) -> Array:
     """(N, 2) accelerations to the ORCA velocities within one step [m/s2]; arguments as in `Scene`."""
-    n, m, w = len(position), len(robots), len(walls)
+    n, m, w = len(position), len(robots), walls.most
     cells = sort_into_cells(position, period, 0.5 * RANGE)
     vx, vy, r = velocity[cells.order, 0], velocity[cells.order, 1], radius[cells.order]
     found, px, py = np.empty(n + 1, np.int64), np.empty(n + 1), np.empty(n + 1)
@@ -216,8 +221,10 @@ def orca(
         i = cells.order[k]
         x, y, limit, tau = cells.x[k], cells.y[k], max_speed[i], horizon[i]
         hard = 0
-        for j in range(w):
-            ax, ay, bx, by = seen_from(walls[j], x, y, period)
+        begin, end = nearby(walls, x, y)
+        for q in range(begin, end):
+            j = walls.listed[q]
+            ax, ay, bx, by = walls.ends[j, 0] - x, walls.ends[j, 1] - y, walls.ends[j, 2] - x, walls.ends[j, 3] - y
             cx, cy, _ = nearest_on_segment(ax, ay, bx, by, 0.0, 0.0)
             if cx * cx + cy * cy <= (tau * limit + r[k]) ** 2:
                 nx[hard], ny[hard], b[hard] = wall_half_plane(ax, ay, bx, by, vx[k], vy[k], r[k], tau)

@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from components.crowd.cells import into_period, shortest
-from components.crowd.walls import nearest_on_segment, seen_from
+from components.crowd.walls import WallGrid, Walls, nearby, nearest_of_thing
 from crowdcosim.world import World
 
 Array = NDArray[np.float64]
@@ -25,18 +25,45 @@ TOLERATED = 0.02
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _is_free(x: float, y: float, radius: float, robots: Array, walls: Array, period: Array) -> bool:
-    """True if a disc at (x, y) touches neither a robot (M, 3: x, y, radius) nor a wall."""
+def is_free(x: float, y: float, radius: float, robots: Array, walls: WallGrid, solid: Array, period: Array) -> bool:
+    """True if a disc at (x, y) touches neither a robot (M, 3: x, y, radius) nor a wall nor an obstacle (`solid`)."""
     for j in range(len(robots)):
         dx, dy = shortest(robots[j, 0] - x, period[0]), shortest(robots[j, 1] - y, period[1])
         if dx * dx + dy * dy < (radius + robots[j, 2]) ** 2:
             return False
-    for j in range(len(walls)):
-        ax, ay, bx, by = seen_from(walls[j], x, y, period)
-        cx, cy, _ = nearest_on_segment(ax, ay, bx, by, 0.0, 0.0)
+    q, end = nearby(walls, x, y)
+    while q < end:
+        q, cx, cy = nearest_of_thing(walls, q, end, x, y)
         if cx * cx + cy * cy < radius * radius:
             return False
-    return True
+    return not _inside(x, y, solid, period)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _inside(x: float, y: float, solid: Array, period: Array) -> bool:
+    """True if a point is inside an obstacle, or its image across a seam; `solid` as from `solid_edges`."""
+    odd = False
+    for f in range(len(solid)):
+        if f > 0 and solid[f, 6] != solid[f - 1, 6]:
+            if odd:
+                return True
+            odd = False
+        px = solid[f, 4] + shortest(x - solid[f, 4], period[0])
+        py = solid[f, 5] + shortest(y - solid[f, 5], period[1])
+        ax, ay, bx, by = solid[f, 0], solid[f, 1], solid[f, 2], solid[f, 3]
+        if (ay > py) != (by > py) and px < ax + (py - ay) / (by - ay) * (bx - ax):
+            odd = not odd
+    return odd
+
+
+def solid_edges(world: World) -> Array:
+    """(E, 7) the edges of all obstacles: both ends, the middle of the obstacle [m], and its number."""
+    rows = []
+    for number, outline in enumerate(world.outlines):
+        middle = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
+        label = np.broadcast_to([*middle, number], (len(outline), 3))
+        rows.append(np.hstack([outline, np.roll(outline, -1, axis=0), label]))
+    return np.concatenate([np.empty((0, 7)), *rows])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -83,7 +110,8 @@ def _add(
     misses: int,
     patience: int,
     robots: Array,
-    walls: Array,
+    walls: WallGrid,
+    solid: Array,
     period: Array,
     extent: Array,
     whole: bool,
@@ -108,7 +136,7 @@ def _add(
             placed[i, 0], placed[i, 1] = x, y
             free = free and (not whole or period[0] > 0.0 or r <= x <= extent[0] - r)
             free = free and (not whole or period[1] > 0.0 or r <= y <= extent[1] - r)
-            free = free and _is_free(x, y, r, robots, walls, period)
+            free = free and is_free(x, y, r, robots, walls, solid, period)
             free = free and not _touches_placed(x, y, r, placed, radii, period, head, following, size)
         if not free:
             misses += 1
@@ -134,7 +162,8 @@ class _Floor:
         self._first = np.concatenate([[0], np.cumsum(parties)])
         self._people = (radius, offset, self._first)
         extent = np.asarray(world.size, np.float64)
-        self._scene = (robots, world.segments_for_people, world.period, extent, whole)
+        walls = Walls.of(world).within(float(radius.max(initial=0.01)))
+        self._scene = (robots, walls, solid_edges(world), world.period, extent, whole)
         # Cells are at least the greatest diameter wide.
         cells = np.maximum((extent / (2 * radius.max(initial=0.01))).astype(int), 1)
         self._chains = (np.full(cells, -1, np.int64), np.full(len(radius), -1, np.int64), extent / cells)
@@ -161,7 +190,7 @@ def place(
     offset: Array | None = None,
     parties: NDArray[np.int64] | None = None,
 ) -> Array:
-    """(N, 2) random centres of discs that overlap neither each other, nor robots, nor walls [m].
+    """(N, 2) random centres of discs that overlap neither each other, nor robots, nor what stops people [m].
 
     Args:
         rng: where chance comes from
@@ -188,7 +217,7 @@ def place(
         raise ValueError(
             f"no room for person {floor.count + 1} of {count} with radius {radius[floor.count]:g} m in a world of "
             f"{world.size[0]:g} x {world.size[1]:g} m: all would take up {share:.0%} of it, and random placing stops "
-            "at about 55%, less what walls and robots take; lower `count` or `radius`, or give `positions`"
+            "at about 55%, less what walls, obstacles and robots take; lower `count` or `radius`, or give `positions`"
         )
     return floor.placed
 
@@ -220,5 +249,8 @@ def check(position: Array, radius: Array, world: World, robots: Array) -> None:
         j = int(lacking.argmax())
         what = f"{gaps[j]:.3f} m from positions[{j}], expected at least {radius[i] + radius[j]:g} m"
     else:
-        what = f"less than {radius[i]:g} m from a wall that stops people, or on a robot's start: move it or the robot"
+        what = (
+            f"inside an obstacle, less than {radius[i]:g} m from one or from a wall that stops people, or on a robot's "
+            "start: move it or the robot"
+        )
     raise ValueError(f"positions[{i}] is {position[i].tolist()}, {what}")

@@ -8,6 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from components.crowd.walls import Walls
+
 Array = NDArray[np.float64]
 
 RANGE = 5.0
@@ -30,8 +32,8 @@ class Scene:
     """(M, 5) x, y, velocity in x and y, and radius of each robot that people see [m, m/s]"""
     pushed_by_robots: NDArray[np.bool_]
     """(N,) False for those who walk through robots"""
-    walls: Array
-    """(W, 2, 2) both ends of the walls that stop people [m]"""
+    walls: Walls
+    """the walls and obstacles that stop people"""
     period: Array
     """(2,) period of each axis, 0 where the world does not wrap around [m]"""
     max_speed: Array

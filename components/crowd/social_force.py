@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from components.crowd.cells import gather, shortest, sort_into_cells
 from components.crowd.scene import RANGE, Scene
-from components.crowd.walls import nearest_on_segment, seen_from
+from components.crowd.walls import WallGrid, nearby, nearest_of_thing
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ class SocialForce:
             scene.velocity,
             scene.preferred,
             scene.robots,
-            scene.walls,
+            scene.walls.within(RANGE),
             scene.period,
         )
 
@@ -98,7 +98,7 @@ def weight(rx: float, ry: float, vx: float, vy: float) -> float:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def social_force(
-    position: Array, velocity: Array, preferred: Array, robots: Array, walls: Array, period: Array
+    position: Array, velocity: Array, preferred: Array, robots: Array, walls: WallGrid, period: Array
 ) -> Array:
     """(N, 2) accelerations [m/s2]; arguments as in `Scene`."""
     n, m = len(position), len(robots)
@@ -126,9 +126,9 @@ def social_force(
                 w = weight(rx, ry, vx[k], vy[k])
                 fx[k] += w * ax
                 fy[k] += w * ay
-        for j in range(len(walls)):
-            ax, ay, bx, by = seen_from(walls[j], x, y, period)
-            cx, cy, _ = nearest_on_segment(ax, ay, bx, by, 0.0, 0.0)
+        q, end = nearby(walls, x, y)
+        while q < end:
+            q, cx, cy = nearest_of_thing(walls, q, end, x, y)
             d = math.sqrt(cx * cx + cy * cy)
             if 0.0 < d <= RANGE:
                 steepness = WALL_REPULSION / WALL_LENGTH * math.exp(-d / WALL_LENGTH) / d

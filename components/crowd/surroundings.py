@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from components.crowd.cells import Cells, gather, shortest
 from components.crowd.scene import Scene
-from components.crowd.walls import nearest_on_segment, seen_from
+from components.crowd.walls import WallGrid, nearby, nearest_on_segment
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -24,8 +24,8 @@ VX, VY, GX, GY, RADIUS, MAX_SPEED, MAX_ACCELERATION = range(7)
 """rows of `own`: velocity, preferred velocity [m/s], radius [m], greatest speed [m/s] and acceleration [m/s2]"""
 PX, PY, OX, OY, REACH = range(5)
 """rows of `near`: position relative to the person [m], velocity [m/s], sum of both radii [m]"""
-AX, AY, BX, BY = range(4)
-"""rows of `edges`: both ends relative to the person [m]"""
+AX, AY, BX, BY, THING = range(5)
+"""rows of `edges`: both ends relative to the person [m], number of the wall or obstacle"""
 
 
 class Surroundings(NamedTuple):
@@ -40,7 +40,7 @@ class Surroundings(NamedTuple):
     first_edge: Indices
     """(B + 1,) person i has the walls first_edge[i] to first_edge[i + 1]"""
     edges: Array
-    """(4, at least Q) rows AX, AY, BX, BY"""
+    """(5, at least Q) rows AX, AY, BX, BY, THING; edges of one obstacle follow each other"""
     stream: NDArray[np.uint64]
     """(B,) where everybody's random numbers of this step begin"""
     relaxation_time: float
@@ -56,7 +56,7 @@ class Surveyor:
         self._reach = reach
         self._relaxation_time = relaxation_time
         self._near = np.empty((5, 4104))
-        self._edges = np.empty((4, 256))
+        self._edges = np.empty((5, 256))
 
     def surroundings(self, scene: Scene, cells: Cells, others: Array, places: Indices) -> Surroundings:
         """The surroundings of those at some places of the cells' order; valid until the next call.
@@ -77,7 +77,7 @@ class Surveyor:
                 scene.max_acceleration,
                 scene.stream,
                 scene.robots,
-                scene.walls,
+                scene.walls.within(self._reach),
                 self._reach,
                 self._near,
                 self._edges,
@@ -86,7 +86,7 @@ class Surveyor:
                 break
             # The counts are right even where there was no room; one more round with room to spare.
             self._near = np.empty((5, max(2 * int(first[-1]), self._near.shape[1])))
-            self._edges = np.empty((4, max(2 * int(first_edge[-1]), self._edges.shape[1])))
+            self._edges = np.empty((5, max(2 * int(first_edge[-1]), self._edges.shape[1])))
         return Surroundings(
             own,
             first,
@@ -120,7 +120,7 @@ def _survey(
     max_acceleration: Array,
     streams: NDArray[np.uint64],
     robots: Array,
-    walls: Array,
+    walls: WallGrid,
     reach: float,
     near: Array,
     edges: Array,
@@ -168,12 +168,14 @@ def _survey(
                     p += 1
             first[t + 1] = p
         q = first_edge[t]
-        for f in range(len(walls)):
-            ax, ay, bx, by = seen_from(walls[f], x, y, period)
+        begin, end = nearby(walls, x, y)
+        for f in walls.listed[begin:end]:
+            ax, ay, bx, by = walls.ends[f, 0] - x, walls.ends[f, 1] - y, walls.ends[f, 2] - x, walls.ends[f, 3] - y
             cx, cy, _ = nearest_on_segment(ax, ay, bx, by, 0.0, 0.0)
             if cx * cx + cy * cy <= reach * reach:
                 if q < edges.shape[1]:
                     edges[AX, q], edges[AY, q], edges[BX, q], edges[BY, q] = ax, ay, bx, by
+                    edges[THING, q] = walls.thing[f]
                 q += 1
         first_edge[t + 1] = q
     return own, first, first_edge, stream
@@ -191,3 +193,18 @@ def facing(own: Array, i: int, slow: float) -> tuple[float, float, float]:
         x, y = own[GX, i], own[GY, i]
         speed = math.sqrt(x * x + y * y)
     return (x / speed, y / speed, speed) if speed > 0.0 else (1.0, 0.0, 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def nearest_of_thing(edges: Array, q: int, end: int) -> tuple[int, float, float]:
+    """Of the wall or obstacle that `edges` go on with at `q`: where the next one begins, at most `end`, and the way to
+    its nearest point [m]."""
+    thing = edges[THING, q]
+    nearest, nx, ny = np.inf, 0.0, 0.0
+    while q < end and edges[THING, q] == thing:
+        px, py, _ = nearest_on_segment(edges[AX, q], edges[AY, q], edges[BX, q], edges[BY, q], 0.0, 0.0)
+        squared = px * px + py * py
+        if squared < nearest:
+            nearest, nx, ny = squared, px, py
+        q += 1
+    return q, nx, ny

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from components.crowd.collision import raise_to_wall
 from components.crowd.costs.cost import Cost, cosine
-from components.crowd.surroundings import AX, AY, BX, BY, GX, GY, OX, OY, PX, PY, RADIUS, REACH, Surroundings
+from components.crowd.surroundings import AX, AY, BX, BY, GX, GY, OX, OY, PX, PY, RADIUS, REACH, THING, Surroundings
 
 Array = NDArray[np.float64]
 
@@ -129,7 +129,8 @@ def _add(around: Surroundings, candidates: Array, coefficient: float, w_a: float
     people, count = total.shape
     own, edges = around.own, around.edges
     hx, hy, speed = np.empty(count), np.empty(count), np.empty(count)
-    gx, gy, ahead, here, rate = np.empty(count), np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    gx, gy, ahead, here = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    rate, rate_ahead = np.empty(count), np.empty(count)
     for i in range(people):
         vx, vy = own[GX, i], own[GY, i]
         preferred = math.sqrt(vx * vx + vy * vy)
@@ -142,17 +143,20 @@ def _add(around: Surroundings, candidates: Array, coefficient: float, w_a: float
             ahead[k], here[k] = 0.0, 0.0
         for p in range(around.first[i], around.first[i + 1]):
             _conflicts(around.near, p, preferred, horizon, hx, hy, speed, ahead, here)
-        for q in range(around.first_edge[i], around.first_edge[i + 1]):
-            ax, ay, bx, by = edges[AX, q], edges[AY, q], edges[BX, q], edges[BY, q]
-            rate[:] = 0.0
-            raise_to_wall(ax, ay, bx, by, own[RADIUS, i], gx, gy, True, rate)
+        met = around.first[i + 1] - around.first[i]
+        q, end = around.first_edge[i], around.first_edge[i + 1]
+        while q < end:
+            thing = edges[THING, q]
+            rate[:], rate_ahead[:] = 0.0, 0.0
+            while q < end and edges[THING, q] == thing:
+                ax, ay, bx, by = edges[AX, q], edges[AY, q], edges[BX, q], edges[BY, q]
+                raise_to_wall(ax, ay, bx, by, own[RADIUS, i], gx, gy, True, rate_ahead)
+                raise_to_wall(ax, ay, bx, by, own[RADIUS, i], candidates[0, i], candidates[1, i], True, rate)
+                q += 1
             for k in range(count):
-                ahead[k] += max(1.0 - 1.0 / (rate[k] * horizon), 0.0)
-            rate[:] = 0.0
-            raise_to_wall(ax, ay, bx, by, own[RADIUS, i], candidates[0, i], candidates[1, i], True, rate)
-            for k in range(count):
+                ahead[k] += max(1.0 - 1.0 / (rate_ahead[k] * horizon), 0.0)
                 here[k] += speed[k] / max(preferred, SLOWEST) * max(1.0 - 1.0 / (rate[k] * horizon), 0.0)
-        met = around.first[i + 1] - around.first[i] + around.first_edge[i + 1] - around.first_edge[i]
+            met += 1
         for k in range(count):
             x, y = candidates[0, i, k] - vx, candidates[1, i, k] - vy
             turn = (1.0 - cosine(hx[k], hy[k], ux, uy)) / 2.0

@@ -5,7 +5,7 @@ interactions", eqs. 2 and S2), which for two discs at relative position x = r_i 
     F = -k exp(-t/t0) (2/t + 1/t0) / (a t^2) [v - (a x + b v) / sqrt(d)]
     a = |v|^2,  b = -x . v,  d = b^2 - a (|x|^2 - R^2),  t = (b - sqrt(d)) / a.
 k = 1.5, t0 = 3 s. For the straight part of a wall t = gap / v_n, so that F = k exp(-t/t0) (2/t + 1/t0) / (t^2 v_n) n,
-n away from the wall; for its ends, those of a resting disc without extent.
+n away from the wall; for its ends, those of a resting disc without extent; of an obstacle, the edge that is met first.
 
 Not in the paper: no force beyond t0, as in its authors' program; none before 0.001 s, and none on discs that overlap
 (contacts part them).
@@ -21,7 +21,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from components.crowd.costs.cost import Force
-from components.crowd.surroundings import AX, AY, BX, BY, OX, OY, PX, PY, RADIUS, REACH, VX, VY, Surroundings
+from components.crowd.surroundings import AX, AY, BX, BY, OX, OY, PX, PY, RADIUS, REACH, THING, VX, VY, Surroundings
 
 Array = NDArray[np.float64]
 
@@ -107,9 +107,17 @@ def _push(around: Surroundings, k: float, t0: float, total: Array) -> None:
             _, fx, fy = disc_force(near[PX, p], near[PY, p], vx - near[OX, p], vy - near[OY, p], near[REACH, p], t0)
             x += fx
             y += fy
-        for q in range(around.first_edge[i], around.first_edge[i + 1]):
-            _, fx, fy = wall_force(edges[AX, q], edges[AY, q], edges[BX, q], edges[BY, q], vx, vy, own[RADIUS, i], t0)
-            x += fx
-            y += fy
+        q, end = around.first_edge[i], around.first_edge[i + 1]
+        while q < end:
+            thing, soonest, gx, gy = edges[THING, q], np.inf, 0.0, 0.0
+            while q < end and edges[THING, q] == thing:
+                t, fx, fy = wall_force(
+                    edges[AX, q], edges[AY, q], edges[BX, q], edges[BY, q], vx, vy, own[RADIUS, i], t0
+                )
+                if t < soonest:
+                    soonest, gx, gy = t, fx, fy
+                q += 1
+            x += gx
+            y += gy
         total[0, i] += k * x
         total[1, i] += k * y

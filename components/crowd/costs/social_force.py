@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from components.crowd.costs.cost import Force
 from components.crowd.costs.wall_repulsion import repulsion_of_wall
 from components.crowd.social_force import WALL_LENGTH, WALL_REPULSION, repulsion, weight
-from components.crowd.surroundings import AX, AY, BX, BY, OX, OY, PX, PY, VX, VY, Surroundings
+from components.crowd.surroundings import OX, OY, PX, PY, VX, VY, Surroundings, nearest_of_thing
 
 Array = NDArray[np.float64]
 
@@ -42,10 +42,10 @@ def _push(around: Surroundings, coefficient: float, total: Array) -> None:
             w = weight(-px, -py, vx, vy)
             x += w * fx
             y += w * fy
-        for q in range(around.first_edge[i], around.first_edge[i + 1]):
-            fx, fy = repulsion_of_wall(
-                edges[AX, q], edges[AY, q], edges[BX, q], edges[BY, q], 0.0, WALL_REPULSION, WALL_LENGTH
-            )
+        q, end = around.first_edge[i], around.first_edge[i + 1]
+        while q < end:
+            q, cx, cy = nearest_of_thing(edges, q, end)
+            fx, fy = repulsion_of_wall(cx, cy, 0.0, WALL_REPULSION, WALL_LENGTH)
             x += fx
             y += fy
         total[0, i] += coefficient * x

@@ -1,7 +1,7 @@
 """Wall repulsion: walls push people away, for policies whose own costs know only people.
 
-F = (U0 / R_U) exp(-(d - r) / R_U) n, d the distance to the nearest point of the wall, r the person's radius, n away
-from the wall (Helbing and Molnar 1995, "Social force model for pedestrian dynamics", eq. 5). R_U = 0.2 m.
+F = (U0 / R_U) exp(-(d - r) / R_U) n, d the distance to the nearest point of the wall or obstacle, r the person's
+radius, n away from it (Helbing and Molnar 1995, "Social force model for pedestrian dynamics", eq. 5). R_U = 0.2 m.
 
 Differs from the paper: the distance is that of the body's edge, and U0 is 2 m2/s2 rather than 10, so that
 whoever touches a wall is pushed with 10 m/s2, twice what people can do on their own.
@@ -17,8 +17,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from components.crowd.costs.cost import Force
-from components.crowd.surroundings import AX, AY, BX, BY, RADIUS, Surroundings
-from components.crowd.walls import nearest_on_segment
+from components.crowd.surroundings import RADIUS, Surroundings, nearest_of_thing
 
 Array = NDArray[np.float64]
 
@@ -42,11 +41,8 @@ class WallRepulsion(Force):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def repulsion_of_wall(
-    ax: float, ay: float, bx: float, by: float, r: float, strength: float, length: float
-) -> tuple[float, float]:
-    """F [m/s2] of a wall from a to b, relative to the person [m]; none on whose centre is on it."""
-    cx, cy, _ = nearest_on_segment(ax, ay, bx, by, 0.0, 0.0)
+def repulsion_of_wall(cx: float, cy: float, r: float, strength: float, length: float) -> tuple[float, float]:
+    """F [m/s2] of a wall with its nearest point at (cx, cy) from the person [m]; none on whose centre is there."""
     d = math.sqrt(cx * cx + cy * cy)
     if d == 0.0:
         return 0.0, 0.0
@@ -58,9 +54,9 @@ def repulsion_of_wall(
 def _push(around: Surroundings, strength: float, length: float, total: Array) -> None:
     edges = around.edges
     for i in range(around.own.shape[1]):
-        for q in range(around.first_edge[i], around.first_edge[i + 1]):
-            fx, fy = repulsion_of_wall(
-                edges[AX, q], edges[AY, q], edges[BX, q], edges[BY, q], around.own[RADIUS, i], strength, length
-            )
+        q, end = around.first_edge[i], around.first_edge[i + 1]
+        while q < end:
+            q, cx, cy = nearest_of_thing(edges, q, end)
+            fx, fy = repulsion_of_wall(cx, cy, around.own[RADIUS, i], strength, length)
             total[0, i] += fx
             total[1, i] += fy

@@ -4,6 +4,7 @@ import numpy as np
 
 from components.crowd.motion import move
 from components.crowd.scene import Scene
+from components.crowd.walls import Walls
 
 
 def scene(
@@ -27,7 +28,7 @@ def scene(
         "preferred": np.zeros((n, 2)) if preferred is None else np.array(preferred, np.float64),
         "radius": np.full(n, 0.3),
         "robots": np.array(robots, np.float64).reshape(-1, 5),
-        "walls": np.array(walls, np.float64).reshape(-1, 2, 2),
+        "walls": walls if isinstance(walls, Walls) else Walls(np.array(walls, np.float64), np.array(period)),
         "period": np.array(period, np.float64),
         "pushed_by_robots": np.ones(n, np.bool_),
         "stream": np.arange(n, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15),

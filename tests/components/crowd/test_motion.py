@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from components.crowd.motion import STABLE, STIFFNESS, contact_accelerations, move
 from components.crowd.scene import Scene
+from components.crowd.walls import Walls
 
 NO_ROBOTS = np.empty((0, 5))
 NO_WALLS = np.empty((0, 2, 2))
@@ -30,7 +31,7 @@ def scene(
         radius=np.full(len(position), 0.3),
         robots=robots,
         pushed_by_robots=np.ones(len(position), np.bool_),
-        walls=np.asarray(walls, np.float64).reshape(-1, 2, 2),
+        walls=Walls(walls, period),
         period=np.asarray(period, np.float64),
         max_speed=np.full(len(position), max_speed),
         max_acceleration=np.full(len(position), max_acceleration),
@@ -41,7 +42,9 @@ def scene(
 
 def push(position, *, robots=NO_ROBOTS, walls=NO_WALLS, period=(0.0, 0.0), dt=0.1):
     now = scene(position, np.zeros_like(position), robots=robots, walls=walls, period=period)
-    return contact_accelerations(now.position, now.radius, now.robots, now.pushed_by_robots, now.walls, now.period, dt)
+    return contact_accelerations(
+        now.position, now.radius, now.robots, now.pushed_by_robots, now.walls.within(1.0), now.period, dt
+    )
 
 
 def test_acceleration_and_speed_are_limited_in_that_order():

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from components.crowd.motion import move
 from components.crowd.orca import Orca, half_plane, wall_half_plane
 from components.crowd.scene import Scene
+from components.crowd.walls import Walls
 
 DT = 0.1
 NO_ROBOTS = np.empty((0, 5))
@@ -38,7 +39,7 @@ def scene(
         radius=np.full(len(position), 0.3),
         robots=robots,
         pushed_by_robots=np.ones(len(position), np.bool_),
-        walls=walls,
+        walls=Walls(np.asarray(walls), np.asarray(period)),
         period=np.asarray(period, np.float64),
         max_speed=np.full(len(position), max_speed),
         max_acceleration=np.full(len(position), max_acceleration),

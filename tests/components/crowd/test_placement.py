@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from components.crowd.placement import check, place
+from crowdcosim.obstacles import Disc, Polygon
 from crowdcosim.world import Wall, World
 
 CORRIDOR = World(size=(50.0, 10.0), periodic=(True, True))
@@ -110,3 +111,16 @@ def test_discs_of_any_size_keep_apart_and_parties_together(seed, periodic):
         assert np.allclose(step[:, 0], 0, atol=1e-9)
         assert np.allclose(step[:, 1], 2.0 * np.arange(n), atol=1e-9)
     check(position, radius, world, NO_ROBOTS)
+
+
+def test_people_are_placed_outside_of_obstacles_and_their_images():
+    obstacles = (
+        Disc(shape="disc", centre=(0.0, 0.0), radius=3.0),
+        Polygon(shape="polygon", corners=((20.0, 2.0), (30.0, 2.0), (30.0, 8.0))),
+    )
+    world = World(size=(50.0, 10.0), periodic=(True, True), obstacles=obstacles)
+    position = place(np.random.default_rng(0), np.full(250, 0.3), world, NO_ROBOTS)
+    assert not world.obstructed(position).any()
+    assert (np.hypot(*world.displacement(np.zeros(2), position).T) >= 3.3).all()
+    with pytest.raises(ValueError, match=r"positions\[1\] is \[49.0, 9.0\], inside an obstacle"):
+        check(np.array([(10.0, 5.0), (49.0, 9.0)]), np.full(2, 0.3), world, NO_ROBOTS)

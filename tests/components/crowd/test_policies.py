@@ -7,6 +7,9 @@ from hypothesis import strategies as st
 
 from components.crowd.motion import move
 from components.crowd.policies import RECIPES, make_policy
+from components.crowd.walls import Walls, nearest_on_segment
+from crowdcosim.obstacles import Box, Disc, Polygon
+from crowdcosim.world import World
 from tests.components.crowd.crowds import random_scene, scene, walk_to
 
 ALL = ("orca", "social_force", *RECIPES)
@@ -64,14 +67,15 @@ def test_it_does_not_matter_where_the_seam_is(name, seed, shift):
 def test_a_mirrored_crowd_wants_mirrored_accelerations(name, seed):
     # Random numbers have no mirror; to van_toll all directions between the own and the preferred one cost the same.
     flip = np.array((1.0, -1.0))
-    now = random_scene(seed, periodic=False, walls=[[(0, 5), (4, 6)]])
+    walls = np.array([[(0, 5), (4, 6)]])
+    now = random_scene(seed, periodic=False, walls=walls)
     robots = now.robots * (1, -1, 1, -1, 1)
     mirrored = scene(
         now.position * flip,
         now.velocity * flip,
         now.preferred * flip,
         robots=robots,
-        walls=now.walls * flip,
+        walls=walls * flip,
         stream=now.stream,
     )
     assert close(POLICIES[name].accelerate(now) * flip, POLICIES[name].accelerate(mirrored))
@@ -138,6 +142,50 @@ def test_whoever_walks_at_a_wall_brakes_before_it(name):
     track = walk_to(POLICIES[name], [(9.0, 0.0)], [(0.0, 0.0)], steps=120, walls=walls)
     # Contact with a wall gives way by 1.3 / sqrt(k / m) = 0.16 m to whoever does not brake at all.
     assert track[:, 0, 0].max() < 5.0 - 0.3 + 0.12
+
+
+SHAPES = {
+    "disc": Disc(shape="disc", centre=(0.2, 0.2), radius=1.0),
+    "box": Box(shape="box", centre=(0.2, 0.2), size=(2.0, 1.2), yaw=0.4),
+    "arrow": Polygon(shape="polygon", corners=((-1.2, 1.0), (0.4, 0.0), (-1.2, -1.0), (1.5, 0.0))),
+}
+
+
+@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_nobody_enters_an_obstacle_that_lies_across_a_corner_of_the_seam(name, shape):
+    world = World(size=(12.0, 12.0), periodic=(True, True), obstacles=(SHAPES[shape],))
+    angle = np.linspace(0, 2 * np.pi, 9, endpoint=False) + 0.1
+    out = np.column_stack([np.cos(angle), np.sin(angle)])
+    options = {"walls": Walls.of(world), "period": (12.0, 12.0), "stream": np.arange(9, dtype=np.uint64)}
+    # All of them want to its middle, at which they would arrive after 3 s.
+    position, velocity = world.wrap(4.0 * out), np.zeros((9, 2))
+    edges = world.segments_for_people
+    for _ in range(60):
+        now = scene(position, velocity, -1.3 * out, **options)
+        position, velocity = move(now, POLICIES[name].accelerate(now))
+        assert not world.obstructed(position).any()
+    here = world.displacement(np.zeros(2), position)
+    gap = [min(np.hypot(*np.subtract(nearest_on_segment(*a, *b, *p)[:2], p)) for a, b in edges) for p in here]
+    # Nobody presses in farther than a body without brakes does, 0.16 m, and as much again for the others' pushing.
+    assert min(gap) > (0.3 - 0.2 if name in AVOIDING else 0.0)
+
+
+# ORCA has a half-plane for every edge, and more of them where there are more.
+@pytest.mark.parametrize("name", [name for name in ALL if name != "orca"])
+def test_an_obstacle_of_many_edges_acts_like_one_of_few(name):
+    # A square, and the same with 40 corners.
+    few = ((4.0, -1.0), (6.0, -1.0), (6.0, 1.0), (4.0, 1.0))
+    share = np.arange(10)[:, None] / 10
+    many = [tuple(c) for k in range(4) for c in np.array(few[k]) * (1 - share) + np.array(few[(k + 1) % 4]) * share]
+    rng = np.random.default_rng(0)
+    position, velocity = rng.random((30, 2)) * (3.5, 6.0) - (0.0, 3.0), rng.normal((1.0, 0.0), 1, (30, 2))
+    wanted = []
+    for corners in (few, many):
+        world = World(size=(9.0, 9.0), obstacles=(Polygon(shape="polygon", corners=tuple(corners)),))
+        now = scene(position, velocity, velocity, walls=Walls.of(world))
+        wanted.append(POLICIES[name].accelerate(now))
+    assert close(*wanted)
 
 
 @pytest.mark.parametrize(("name", "least"), [("rvo", 0.55), ("power_law", 0.45)])

@@ -18,6 +18,7 @@ from components.crowd.social_force import (
     repulsion,
     weight,
 )
+from components.crowd.walls import Walls
 
 coordinate = st.floats(-4.0, 4.0, allow_subnormal=False)
 speed = st.floats(-2.0, 2.0, allow_subnormal=False)
@@ -34,7 +35,7 @@ def accelerate(position, velocity=None, preferred=None, *, robots=(), walls=(), 
             radius=np.full(len(position), 0.3),
             robots=np.array(robots, np.float64).reshape(-1, 5),
             pushed_by_robots=np.ones(len(position), np.bool_),
-            walls=np.array(walls, np.float64).reshape(-1, 2, 2),
+            walls=Walls(np.array(walls, np.float64), np.asarray(period)),
             period=np.asarray(period, np.float64),
             max_speed=np.full(len(position), 1.8),
             max_acceleration=np.full(len(position), 5.0),
