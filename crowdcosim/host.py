@@ -50,12 +50,13 @@ class ComponentHost:
         self.ports: Ports = ports_of(type(component))
         self.every = every
         self.wiring = wiring
-        self._setup = setup
+        self.setup = setup
+        """what the component is told at the next reset, but for what each episode adds"""
         self._single = {port.name: not port.many for port in self.ports.inputs}
 
     def reset(self, *, alone: bool, reference: Mapping[str, Mapping[str, float]] | None) -> dict[str, Message]:
         """Begin an episode; a mover's state at t = 0."""
-        setup = replace(self._setup, alone=alone, reference=reference)
+        setup = replace(self.setup, alone=alone, reference=reference)
         result = self.component.reset(setup)
         return self._checked(result) if self.ports.kind == "mover" else {}
 

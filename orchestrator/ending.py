@@ -9,7 +9,7 @@ from crowdcosim.goal import reached
 from crowdcosim.messages import Contacts, Goal, RobotState
 from orchestrator.scenario_file import Ending
 
-Reason = Literal["goal", "collision", "time_limit"]
+Reason = Literal["goal", "collision", "time_limit", "stopped"]
 
 
 class Referee:

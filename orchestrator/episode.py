@@ -93,6 +93,105 @@ class Pace:
             time.sleep(max(0.0, self._begin + simulated * 1e-9 / self._factor - time.monotonic()))
 
 
+class Episode:
+    """One episode of a simulation, tick by tick: its log, its end and its result."""
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        *,
+        reference: Reference | None = None,
+        log: Path | None = None,
+        alone: bool = False,
+        began: float | None = None,
+    ) -> None:
+        """Begin: afterwards every mover's state at t = 0 is committed.
+
+        Args:
+            simulation: the scenario's components, connected.
+            reference: what the evaluator compares with.
+            log: file to write, None to write none.
+            alone: there are no people.
+            began: `time.monotonic()` when start-up began.
+
+        Raises:
+            RunError: if a component fails.
+        """
+        self.simulation = simulation
+        self.tick = 0
+        self.reason: Reason | None = None
+        """why it is over, None while it is not"""
+        self._log = log
+        self._began = time.monotonic() if began is None else began
+        scenario = simulation.scenario
+        self._referee = Referee(scenario.ending, simulation.goals, scenario.last_tick)
+        self._recorder = open_log(simulation, log, reference) if log else None
+        simulation.lockstep.commit = Committer(self._recorder, simulation) if self._recorder else None
+        try:
+            simulation.lockstep.reset(alone=alone, reference=reference)
+        except BaseException as error:
+            self.fail(error)
+            raise
+        self._started = time.monotonic()
+
+    @property
+    def time(self) -> int:
+        """Simulated time [ns]."""
+        return self.tick * self.simulation.scenario.period
+
+    def observe(self) -> None:
+        """The first part of a tick, up to where commands from outside are wanted."""
+        self.simulation.lockstep.observe(self.tick)
+
+    def complete(self) -> Reason | None:
+        """The rest of the tick; why the episode is over, None if it goes on."""
+        self.simulation.lockstep.complete(self.tick)
+        self.tick += 1
+        self.reason = self._why_over()
+        return self.reason
+
+    def finish(self) -> Result:
+        """The evaluator's verdict, the end of the log, and what became of it all."""
+        simulation, scenario = self.simulation, self.simulation.scenario
+        self.reason = self.reason or "stopped"
+        simulation.lockstep.finish(self.tick)
+        wall = time.monotonic() - self._started
+        arrived = tuple(sorted(self._referee.arrived))
+        data_hash = self._close_log({"reason": self.reason, "arrived": json.dumps(arrived)})
+        return Result(
+            scenario=scenario.name,
+            seed=scenario.seed,
+            outcome=self.reason,
+            arrived=arrived,
+            ticks=self.tick,
+            simulated_time=self.time * 1e-9,
+            start_up_time=(simulation.lockstep.first_step or self._began) - self._began,
+            wall_time=wall,
+            real_time_factor=self.time * 1e-9 / wall,
+            ticks_per_second=self.tick / wall,
+            data_hash=data_hash,
+            log=str(self._log) if self._log else None,
+            metrics=metrics_of(simulation, self.tick),
+            timing={name: timing_of(times) for name, times in simulation.lockstep.elapsed.items() if times},
+        )
+
+    def fail(self, error: BaseException) -> None:
+        """End the log where the run has failed; it keeps every tick that was complete."""
+        self._close_log({"reason": "failed", "error": str(error) or type(error).__name__})
+
+    def _close_log(self, outcome: dict[str, str]) -> str | None:
+        recorder, self._recorder = self._recorder, None
+        return recorder.close({"outcome": outcome | {"ticks": str(self.tick)}}) if recorder else None
+
+    def _why_over(self) -> Reason | None:
+        scenario, latest = self.simulation.scenario, self.simulation.lockstep.latest
+        robots = [robot.name for robot in scenario.robots]
+        states = {robot: latest(robot, "state", self.tick) for robot in robots}
+        touching = robots if scenario.ending.collision else []
+        contacts = {robot: latest(robot, "contacts", self.tick) for robot in touching}
+        return self._referee.reason(self.tick, states, contacts)
+
+
 def run_episode(
     simulation: Simulation,
     *,
@@ -113,54 +212,42 @@ def run_episode(
     Raises:
         RunError: if the run fails; the log then ends with the last tick that was complete.
     """
-    watcher = watcher or Watcher()
     began = time.monotonic() if began is None else began
-    scenario = simulation.scenario
-    reference = _reference_run(simulation)
-    recorder = open_log(simulation, log, reference) if log else None
-    lockstep = simulation.lockstep
-    lockstep.commit = Committer(recorder, simulation) if recorder else None
-    referee = _referee(simulation)
-    outcome: dict[str, str] = {"reason": "failed"}
-    tick = 0
-    data_hash = None
-    started = time.monotonic()
+    reference = reference_run(simulation)
+    episode = Episode(simulation, reference=reference, log=log, began=began)
+    return _to_the_end(episode, Pace(real_time), watcher or Watcher())
+
+
+def reference_run(simulation: Simulation) -> Reference | None:
+    """The same robots without people: what the ratios of the metrics compare with. None if nobody would."""
+    judged = any(member.ports.kind == "observer" for member in simulation.graph.members.values())
+    if not (judged and simulation.scenario.reference):
+        return None
+    return reference_of(_to_the_end(Episode(simulation, alone=True), Pace(None), Watcher()))
+
+
+def reference_of(result: Result) -> Reference | None:
+    """What a run without people gives others to compare with."""
+    values: dict[str, dict[str, float]] = {}
+    for metric in result.metrics:
+        if metric.value is not None:
+            values.setdefault(metric.robot, {})[metric.name] = metric.value
+    return values or None
+
+
+def _to_the_end(episode: Episode, pace: Pace, watcher: Watcher) -> Result:
     try:
-        lockstep.reset(alone=False, reference=reference)
-        started = time.monotonic()
-        pace = Pace(real_time)
-        while True:
-            lockstep.step(tick)
-            tick += 1
-            watcher.ticked(tick * scenario.period)
-            if reason := _reason(simulation, referee, tick):
-                break
-            pace.wait(tick * scenario.period)
-        lockstep.finish(tick)
-        wall = time.monotonic() - started
-        outcome = {"reason": reason, "arrived": json.dumps(sorted(referee.arrived))}
+        over = None
+        while not over:
+            episode.observe()
+            over = episode.complete()
+            watcher.ticked(episode.time)
+            if not over:
+                pace.wait(episode.time)
+        return episode.finish()
     except BaseException as error:
-        outcome["error"] = str(error) or type(error).__name__
+        episode.fail(error)
         raise
-    finally:
-        if recorder:
-            data_hash = recorder.close({"outcome": outcome | {"ticks": str(tick)}})
-    return Result(
-        scenario=scenario.name,
-        seed=scenario.seed,
-        outcome=reason,
-        arrived=tuple(sorted(referee.arrived)),
-        ticks=tick,
-        simulated_time=tick * scenario.period * 1e-9,
-        start_up_time=(lockstep.first_step or began) - began,
-        wall_time=wall,
-        real_time_factor=tick * scenario.period * 1e-9 / wall,
-        ticks_per_second=tick / wall,
-        data_hash=data_hash,
-        log=str(log) if log else None,
-        metrics=metrics_of(simulation, tick),
-        timing={name: timing_of(times) for name, times in lockstep.elapsed.items() if times},
-    )
 
 
 def metrics_of(simulation: Simulation, tick: int) -> tuple[Metric, ...]:
@@ -197,34 +284,3 @@ def timing_of(times: list[int]) -> Timing:
         p99=ordered[min(len(ordered) - 1, int(0.99 * len(ordered)))] * 1e-9,
         max=ordered[-1] * 1e-9,
     )
-
-
-def _reference_run(simulation: Simulation) -> Reference | None:
-    """The same robots without people: what the ratios of the metrics compare with. None if nobody would."""
-    judged = any(member.ports.kind == "observer" for member in simulation.graph.members.values())
-    if not (judged and simulation.scenario.reference):
-        return None
-    lockstep = simulation.lockstep
-    lockstep.commit = None
-    lockstep.reset(alone=True, reference=None)
-    referee, tick = _referee(simulation), 0
-    while not (tick and _reason(simulation, referee, tick)):
-        lockstep.step(tick)
-        tick += 1
-    lockstep.finish(tick)
-    values: dict[str, dict[str, float]] = {}
-    for metric in metrics_of(simulation, tick):
-        if metric.value is not None:
-            values.setdefault(metric.robot, {})[metric.name] = metric.value
-    return values or None
-
-
-def _referee(simulation: Simulation) -> Referee:
-    return Referee(simulation.scenario.ending, simulation.goals, simulation.scenario.last_tick)
-
-
-def _reason(simulation: Simulation, referee: Referee, tick: int) -> Reason | None:
-    robots = [robot.name for robot in simulation.scenario.robots]
-    states = {robot: simulation.lockstep.latest(robot, "state", tick) for robot in robots}
-    touching = robots if simulation.scenario.ending.collision else []
-    return referee.reason(tick, states, {r: simulation.lockstep.latest(r, "contacts", tick) for r in touching})

@@ -74,7 +74,9 @@ class Lockstep:
         inline: Mapping[str, ComponentHost],
         remote: Remote | None,
         trusted: frozenset[str],
+        commanded: frozenset[str] = frozenset(),
     ) -> None:
+        """`commanded`: components that have nothing to say before `complete`, by name."""
         self._graph = graph
         self._period = period
         self._constants = constants
@@ -84,6 +86,9 @@ class Lockstep:
         """takes what each tick has made, for the log"""
         self._steppers = tuple(n for n in graph.order if graph.members[n].every != FOREVER)
         self._remote_names = frozenset(remote.components if remote else ())
+        late = graph.after(commanded)
+        self._early = tuple(n for n in self._steppers if n in inline and n not in late)
+        self._late = tuple(n for n in self._steppers if n in inline and n in late)
         self._types = {(n, o.name): o.type.TYPE for n, m in graph.members.items() for o in m.ports.outputs}
         self._order = {place: i for i, place in enumerate(self._types)}
         self._slow_movers = [p for p in self._types if self._is_slow_mover(p[0])]
@@ -101,6 +106,8 @@ class Lockstep:
         """`time.monotonic()` at the first step of the first episode"""
         self.elapsed: dict[str, list[int]] = {name: [] for name in self._steppers}
         """wall-clock time of each component's own work per step [ns]"""
+        self.thought: dict[str, int] = {}
+        """time that who commands an inline component has taken for its next step, counted as its own [ns]"""
 
     # --- episode -------------------------------------------------------------------------------------------------
 
@@ -126,14 +133,42 @@ class Lockstep:
 
     def step(self, tick: int) -> None:
         """Tick `tick`: from the committed state `tick` to the next."""
+        self.observe(tick)
+        self.complete(tick)
+
+    def observe(self, tick: int) -> None:
+        """The first part of a tick: everybody begins, and those step here whose say does not depend on a command."""
         self.first_step = self.first_step or time.monotonic()
-        due = tuple(n for n in self._steppers if tick % self._graph.members[n].every == 0)
-        self._tell(Tick(phase=Tick.STEP, tick=tick, time=tick * self._period), due)
-        for name in due:
-            if host := self._inline.get(name):
-                self._step_inline(name, host, tick)
+        self._tell(Tick(phase=Tick.STEP, tick=tick, time=tick * self._period), self._due(self._steppers, tick))
+        for name in self._due(self._early, tick):
+            self._step_inline(name, self._inline[name], tick)
+
+    def complete(self, tick: int) -> None:
+        """The second part: the commanded components and all who wait for them; then everything is committed."""
+        if self._remote:
+            self._remote.resume()
+        for name in self._due(self._late, tick):
+            self._step_inline(name, self._inline[name], tick)
         self._await_answers(Tick.STEP, tick)
         self._commit(tick)
+
+    def observe_end(self, tick: int) -> None:
+        """A look at the final state `tick`, after `finish`: inline sensors step once more, and nothing is committed."""
+        elsewhere = {n for n in self._remote_names if self._graph.members[n].ports.kind == "reactor"}
+        blind = self._graph.after(elsewhere)
+        for name in self._due(self._early, tick):
+            if name not in blind:
+                self._step_inline(name, self._inline[name], tick)
+
+    def observed(self, component: str, port: str, tick: int) -> Any:
+        """What an output says at `tick`, also if made in this tick, waiting for it if need be; None if nothing yet."""
+        member = self._graph.members[component]
+        source = Source(component=component, port=port, every=member.every, mover=member.ports.kind == "mover")
+        place = (component, port)
+        if component in self._pending and place not in self._incoming:
+            self._reader(tick)(source, source.label(tick))
+        held = self._incoming.get(place)
+        return held.decoded() if held and held.label.tick <= tick else self.latest(component, port, tick)
 
     def finish(self, tick: int) -> None:
         """The last look: observers see the final state `tick` and give their verdict."""
@@ -174,10 +209,13 @@ class Lockstep:
             )
             self._remote.tell(message, tuple(n for n in who if n in self._remote_names))
 
+    def _due(self, names: tuple[str, ...], tick: int) -> tuple[str, ...]:
+        return tuple([n for n in names if tick % self._graph.members[n].every == 0])
+
     def _step_inline(self, name: str, host: ComponentHost, tick: int) -> None:
         begin = time.perf_counter_ns()
         outputs = self._guard(name, tick, host.step, tick, self._reader(tick))
-        self.elapsed[name].append(time.perf_counter_ns() - begin)
+        self.elapsed[name].append(time.perf_counter_ns() - begin + self.thought.pop(name, 0))
         label = host.output_label(tick)
         for port, message in outputs.items():
             self._publish(name, port, Label(self._episode, label, label * self._period), message)

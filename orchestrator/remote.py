@@ -182,6 +182,11 @@ class Remote:
         self._waiting = waiting
         self._tick.send(encode(tick))
 
+    def resume(self) -> None:
+        """The components may have waited for us: their silence counts from now."""
+        self._last_sign = time.monotonic()
+        self._silent = False
+
     def answered(self, component: str) -> None:
         """Take note that `component` has answered."""
         self._waiting = tuple(c for c in self._waiting if c != component)

@@ -165,6 +165,7 @@ def _outcome(outcome: Mapping[str, str]) -> str:
         "goal": "reached the goal",
         "time_limit": "hit the time limit",
         "collision": "ended by a collision",
+        "stopped": "stopped by who ran it",
         "failed": "failed",
     }
     reason = outcome.get("reason", "")

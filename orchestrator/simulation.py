@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from crowdcosim.bus import Bus, BusError
-from crowdcosim.component import ComponentError, Kind, Output, Ports, make, ports_of
+from crowdcosim.component import Component, ComponentError, Kind, Output, Ports, make, ports_of
 from crowdcosim.host import FOREVER, ComponentHost, Source, blame
 from crowdcosim.loading import load_class
 from crowdcosim.messages import Goal, Header
@@ -43,6 +44,7 @@ class Simulation:
         processes: Processes | None = None,
         listen: str | None = None,
         status: Callable[[str], None] = lambda text: None,
+        commanded: Collection[str] = (),
     ) -> None:
         """Start and connect everything.
 
@@ -51,6 +53,7 @@ class Simulation:
             processes: a launcher that is already warming up.
             listen: endpoint for components that attach from outside, by default a free port of the loopback.
             status: told what is being waited for.
+            commanded: inline components whose say comes from outside, in the midst of a tick.
 
         Raises:
             InputError: if the components do not fit the scenario or each other.
@@ -81,7 +84,24 @@ class Simulation:
             inline=self._hosts,
             remote=self._remote,
             trusted=frozenset(s.name for s in scenario.components if s.host in ("inline", "process")),
+            commanded=frozenset(commanded),
         )
+
+    @property
+    def inline(self) -> bool:
+        """True if all components live in this process."""
+        return self._remote is None
+
+    def hosted(self, component: str) -> Component:
+        """An inline component."""
+        return self._hosts[component].component
+
+    def reseed(self, seed: int) -> None:
+        """From the next reset on, the scenario with another seed; all components must be inline."""
+        assert self.inline, "components elsewhere have been told their seed for good"
+        self.scenario = replace(self.scenario, seed=seed, resolved={**self.scenario.resolved, "seed": seed})
+        for name, host in self._hosts.items():
+            host.setup = self.setup(name)
 
     def setup(self, component: str) -> Setup:
         """What `component` is told at the start, but for what each episode adds."""

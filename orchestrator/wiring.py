@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple
@@ -44,6 +44,16 @@ class Graph:
     """component -> input port -> its sources"""
     order: tuple[str, ...]
     """every component after all whose outputs of the same tick it reads; movers and observers last"""
+
+    def after(self, some: Collection[str]) -> frozenset[str]:
+        """`some`, all that wait for them within a tick, directly or not, and the movers and observers."""
+        found = set(some)
+        for name in self.order:
+            if self.members[name].ports.kind != "reactor" or any(
+                s.component in found and not s.mover for port in self.sources[name].values() for s in port
+            ):
+                found.add(name)
+        return frozenset(found)
 
 
 def connect(members: tuple[Member, ...]) -> Graph:

@@ -40,6 +40,23 @@ def test_every_example_of_the_page_runs(page: Path, tmp_path: Path) -> None:
     assert ran
 
 
+def test_every_example_of_the_python_page_runs(tmp_path: Path) -> None:
+    examples = [text for language, text in blocks(ROOT / "docs" / "python.md") if language == "python"]
+    for text in examples:
+        if name := re.match(r"# (\S+\.py)\n", text):
+            (tmp_path / name[1]).write_text(text)
+        process = subprocess.run(
+            [sys.executable, "-W", "error", "-c", text],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+        assert process.returncode == 0, f"{text}\n{process.stdout}{process.stderr}"
+    assert examples
+
+
 @pytest.mark.parametrize("page", [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")], ids=lambda page: page.name)
 def test_links_within_the_project_lead_somewhere(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text()):
