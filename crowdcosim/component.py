@@ -48,7 +48,11 @@ class Component:
 
 
 class Sensor(Component):
-    """Observes the committed state of its tick; everything it says is of that tick."""
+    """Observes the committed state of its tick; what it says is of that tick, or of an earlier one if it is late.
+
+    If its config has a method `frames(model: RobotModel) -> Mapping[str, Mount]`, these frames are in `/tf_static`: the
+    key "" is the frame that is called as the component is, others are called `<component>/<key>`.
+    """
 
 
 class Controller(Component):

@@ -123,6 +123,19 @@ class RobotModel:
         if not self.min_speed <= 0:
             raise ValueError(f"min_speed is {self.min_speed}, expected zero or a negative number")
 
+    def mount(self, where: str | Mount) -> Mount:
+        """The mount of that name, or the place itself.
+
+        Raises:
+            ValueError: if there is no mount of that name.
+        """
+        if isinstance(where, Mount):
+            return where
+        if where not in self.mounts:
+            names = ", ".join(self.mounts) or "none"
+            raise ValueError(f"mount is '{where}', expected one of the robot's ({names}) or {{position: [x, y, z]}}")
+        return self.mounts[where]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Pose:

@@ -15,6 +15,7 @@ from crowdcosim.messages import (
     Vector3,
 )
 from crowdcosim.setup import time_of
+from orchestrator.mounts import sensor_frames
 from orchestrator.recorder import Channel, Record, record
 from orchestrator.scenario import Scenario
 
@@ -26,12 +27,14 @@ FRAME_CHANNELS = (
 
 
 def static_records(scenario: Scenario) -> list[Record]:
-    """Frames that do not move: `odom` is aligned with `map`, and a sensor sits at its `position` and `yaw`."""
-    transforms = [_transform("map", "odom", 0, 0.0, 0.0, 0.0, 0.0)]
+    """Frames that do not move: `odom` is aligned with `map`, and sensors are fixed to their robots."""
+    transforms = [transform("map", "odom", 0, (0.0, 0.0, 0.0), 0.0)]
+    robots = {robot.name: robot for robot in scenario.robots}
     for spec in scenario.components:
-        if spec.robot and {"position", "yaw"} <= spec.config.keys():
-            x, y, z = spec.config["position"]
-            transforms.append(_transform(f"{spec.robot}/base_link", spec.name, 0, x, y, z, spec.config["yaw"]))
+        if spec.robot:
+            for name, mount in sensor_frames(spec, robots[spec.robot].model).items():
+                parent = f"{spec.robot}/base_link"
+                transforms.append(transform(parent, name, 0, mount.position, mount.yaw, mount.pitch))
     return [record("/tf_static", 0, TFMessage(transforms=tuple(transforms)))]
 
 
@@ -41,18 +44,28 @@ def frame_records(time_ns: int, states: list[RobotState]) -> list[Record]:
     if not states:
         return [clock]
     transforms = tuple(
-        _transform("map", f"{s.name}/base_link", time_ns, float(s.position[0]), float(s.position[1]), 0.0, s.heading)
+        transform("map", f"{s.name}/base_link", time_ns, (float(s.position[0]), float(s.position[1]), 0.0), s.heading)
         for s in states
     )
     return [clock, record("/tf", time_ns, TFMessage(transforms=transforms))]
 
 
-def _transform(parent: str, child: str, time_ns: int, x: float, y: float, z: float, yaw: float) -> TransformStamped:
+def transform(
+    parent: str, child: str, time_ns: int, position: tuple[float, float, float], yaw: float, pitch: float = 0.0
+) -> TransformStamped:
+    """`child` is turned by `yaw` about the parent's z and then by `pitch` about its own y."""
+    x, y, z = position
+    turn, nod = 0.5 * yaw, 0.5 * pitch
     return TransformStamped(
         header=Header(stamp=time_of(time_ns), frame_id=parent),
         child_frame_id=child,
         transform=Transform(
             translation=Vector3(x=x, y=y, z=z),
-            rotation=Quaternion(z=math.sin(yaw / 2), w=math.cos(yaw / 2)),
+            rotation=Quaternion(
+                x=-math.sin(turn) * math.sin(nod),
+                y=math.cos(turn) * math.sin(nod),
+                z=math.sin(turn) * math.cos(nod),
+                w=math.cos(turn) * math.cos(nod),
+            ),
         ),
     )

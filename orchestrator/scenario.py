@@ -12,6 +12,7 @@ from crowdcosim.robots import Robot, RobotModel
 from crowdcosim.world import World
 from orchestrator import extends
 from orchestrator.component_specs import ComponentSpec, component_specs
+from orchestrator.mounts import mount_problems
 from orchestrator.placement import placement_problems, world_of
 from orchestrator.problems import Place, Problem, ScenarioError, key_path, near_miss
 from orchestrator.scenario_file import NOT_ROBOTS, NOT_SENSORS, Deadlines, Ending, ScenarioFile, adapter
@@ -90,6 +91,8 @@ def _checked(tree: Node, *, trust: bool = False) -> Scenario:
     problems.extend(_time_problems(file, tree))
     world, robots = world_of(file.world), _robots(file)
     problems.extend(placement_problems(world, robots, tree))
+    if not (trust or problems):
+        problems.extend(mount_problems(components, robots))
     if not robots:
         file = replace(file, end=_without_goal(file.end, tree, problems))
     if problems:

@@ -1,46 +1,86 @@
-"""A planar laser scanner among walking people, other robots, who are upright cylinders, and walls.
+"""A planar laser scanner among walking people, other robots, who are upright cylinders, walls and obstacles.
 
 It sees of a person what is at its own height: low down, two legs. Ranges follow REP 117: infinite where nothing is
-within `range_max`, minus infinity where something is nearer than `range_min`. A beam that is too near to measure still
-says who is there; one that noise carries beyond `range_max` says nobody. All beams are taken at the time of the state.
-Noise is drawn anew for every scan, from the seed and the time. The robot that carries the scanner does not see itself.
+within `range_max`, minus infinity where something is nearer than `range_min`. All beams are taken at the time of the
+state. The robot that carries the scanner does not see itself.
+
+Who a beam has hit is who is on its own line of sight, whatever the range that is told: a beam that is too near to
+measure, has a spike or is mixed with its neighbour still says who is there. One that is dropped, or that errors carry
+beyond `range_max`, says nobody.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
-from components.sensors.scan import Beams, Cylinders, People, Pose, Walls, scan
+from components.sensors.imperfections import (
+    Bias,
+    Chain,
+    Drift,
+    Dropout,
+    Gaussian,
+    MixedPixels,
+    Quantisation,
+    RangeDependent,
+    Signal,
+    Spikes,
+)
+from components.sensors.scan import Beams, scan
+from components.sensors.surroundings import Surroundings, people_of, pose_of
+from components.sensors.timing import Delivery, Latency, MessageLoss, RateJitter, require_rate
 from crowdcosim.component import Sensor
 from crowdcosim.messages import BeamAgents, Crowd, Header, LaserScan, RobotState
+from crowdcosim.robots import Mount, RobotModel
 from crowdcosim.setup import Setup, nanoseconds_of
 
 # A full circle may be written as 6.283.
 _ROUNDED = 1e-3
+_DEFAULT_MOUNT = Mount(position=(0.0, 0.0, 0.3))
+
+Imperfection = Annotated[
+    Gaussian
+    | RangeDependent
+    | Bias
+    | Drift
+    | Spikes
+    | Quantisation
+    | MixedPixels
+    | Dropout
+    | Latency
+    | RateJitter
+    | MessageLoss,
+    Field(discriminator="kind"),
+]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
     """Options of a `Lidar`."""
 
+    mount: str | Mount = _DEFAULT_MOUNT
+    """a mount of the robot's by name, or a place; level; the scanner looks over whoever is lower"""
     beams: int = 720
     """number of beams"""
     field_of_view: float = 2.0 * math.pi
     """angle from the first beam to the last, centred ahead; 2 pi: all around, no direction twice [rad]"""
+    clockwise: bool = False
+    """the first beam is the leftmost, as in a scanner that turns to the right"""
     range_min: float = 0.1
     """nearest range that is measured [m]"""
     range_max: float = 10.0
     """farthest range that is measured [m]"""
-    position: tuple[float, float, float] = (0.0, 0.0, 0.3)
-    """mount: ahead and to the left of the base's centre, and above the ground; it looks over whoever is lower [m]"""
-    yaw: float = 0.0
-    """direction of the scanner, counter-clockwise from the robot's [rad]"""
-    noise: float = 0.0
-    """standard deviation of the ranges [m]"""
+    no_hit: Literal["infinite", "range_max"] = "infinite"
+    """what a beam tells that meets nothing; range_max is what the simulator of "Crowd against the machine" told"""
+    rate: float | None = None
+    """scans per second, at most one per step; null: one per step [Hz]"""
+    imperfections: tuple[Imperfection, ...] = ()
+    """what is wrong with the scans, in this order"""
 
     def __post_init__(self) -> None:
         if self.beams < 2:
@@ -49,22 +89,42 @@ class Config:
             raise ValueError(f"field_of_view is {self.field_of_view}, expected more than 0 and at most 2 pi")
         if not 0.0 <= self.range_min < self.range_max:
             raise ValueError(f"range_min is {self.range_min}, expected from 0 to below range_max ({self.range_max})")
-        if not self.position[2] >= 0.0:
-            raise ValueError(f"position is {self.position}, expected a height, the third number, of zero or more")
-        if not self.noise >= 0.0:
-            raise ValueError(f"noise is {self.noise}, expected zero or more")
+        if isinstance(self.mount, Mount) and self.mount.pitch:
+            raise ValueError(f"mount has a pitch of {self.mount.pitch}, expected 0: the scan is level")
+        require_rate(self)
+
+    @property
+    def all_around(self) -> bool:
+        """True if the last beam is beside the first."""
+        return self.field_of_view > 2.0 * math.pi - _ROUNDED
 
     @property
     def increment(self) -> float:
-        """Angle from one beam to the next [rad]."""
-        if self.field_of_view > 2.0 * math.pi - _ROUNDED:
-            return 2.0 * math.pi / self.beams
-        return self.field_of_view / (self.beams - 1)
+        """Angle from one beam to the next, negative if they go clockwise [rad]."""
+        between = 2.0 * math.pi / self.beams if self.all_around else self.field_of_view / (self.beams - 1)
+        return -between if self.clockwise else between
 
     @property
     def angle_min(self) -> float:
         """Angle of the first beam [rad]."""
-        return -math.pi if self.field_of_view > 2.0 * math.pi - _ROUNDED else -0.5 * self.field_of_view
+        first = -math.pi if self.all_around else -0.5 * self.field_of_view
+        return -first if self.clockwise else first
+
+    @property
+    def angle_max(self) -> float:
+        """Angle of the last beam [rad]."""
+        return self.angle_min + self.increment * (self.beams - 1)
+
+    def frames(self, model: RobotModel) -> Mapping[str, Mount]:
+        """The one frame of the scans, which is called as the sensor is.
+
+        Raises:
+            ValueError: if the robot has no such mount, or it is not level.
+        """
+        mount = model.mount(self.mount)
+        if mount.pitch:
+            raise ValueError(f"mount '{self.mount}' has a pitch of {mount.pitch}, expected 0: the scan is level")
+        return {"": mount}
 
 
 class LidarOutput(NamedTuple):
@@ -79,68 +139,56 @@ class Lidar(Sensor):
 
     def __init__(self, config: Config) -> None:
         self.config = config
-        angles = config.angle_min + config.increment * np.arange(config.beams)
+        # The kernel counts beams counter-clockwise; a scan that goes clockwise is turned over at the end.
+        first = min(config.angle_min, config.angle_max)
+        angles = first + abs(config.increment) * np.arange(config.beams)
         directions = np.column_stack([np.cos(angles), np.sin(angles)])
-        self._beams = Beams(config.angle_min, config.increment, directions, config.range_max)
+        self._beams = Beams(first, abs(config.increment), directions, config.range_max)
 
     def reset(self, setup: Setup) -> None:
         self._setup = setup
-        seen = setup.world.segment_heights >= self.config.position[2]
-        self._walls = Walls(setup.world.segment_numbers[seen], setup.world.segments[seen])
-        self._period = setup.world.period
-        self._height_of = {robot.name: robot.model.height for robot in setup.robots}
-        self._number_of = {robot.name: robot.number for robot in setup.robots}
+        self._mount = self.config.frames(setup.own_robot.model)[""]
+        self._around = Surroundings(setup, self._mount.position[2])
+        self._begin()
         self.step(RobotState(), Crowd(), ())  # Compile now, not in the first step.
+        self._begin()
+
+    def _begin(self) -> None:
+        config, setup = self.config, self._setup
+        self._delivery = Delivery[LidarOutput](config.imperfections, config.rate, setup)
+        signal = Signal(closed=config.all_around, period=self._delivery.period)
+        self._chain = Chain(config.imperfections, signal, setup.seed)
 
     def step(self, robot: RobotState, crowd: Crowd, others: tuple[RobotState, ...]) -> LidarOutput:
-        config = self.config
-        people = People(crowd.id, crowd.position, crowd.velocity, crowd.heading, crowd.stature, crowd.gait_phase)
-        distance, kind, agent, body_part = scan(
-            self._beams, self._pose(robot), self._period, self._walls, people, self._cylinders(others)
-        )
-        if config.noise > 0.0:
-            nanoseconds = nanoseconds_of(robot.header.stamp)
-            distance += config.noise * self._setup.rng(nanoseconds).standard_normal(config.beams)
+        time = nanoseconds_of(robot.header.stamp)
+        return self._delivery.step(time, lambda: self._take(time, robot, crowd, others))
+
+    def _take(self, time: int, robot: RobotState, crowd: Crowd, others: tuple[RobotState, ...]) -> LidarOutput:
+        config, around = self.config, self._around
+        pose = pose_of(robot, self._mount)
+        hits = scan(self._beams, pose, around.period, around.walls, people_of(crowd), around.robots(others))
+        distance, kind, agent, body_part = hits
+        if config.clockwise:
+            distance, kind, agent, body_part = (np.ascontiguousarray(field[::-1]) for field in hits)
+        if self._chain:
+            self._chain.apply(distance.reshape(1, -1), time)
             lost = distance > config.range_max
             distance[lost], kind[lost], agent[lost] = np.inf, BeamAgents.NOTHING, 0
             body_part[lost] = BeamAgents.NO_PART
         distance[distance < config.range_min] = -np.inf
+        if config.no_hit == "range_max":
+            distance[distance == np.inf] = config.range_max
         header = Header(stamp=robot.header.stamp, frame_id=self._setup.component)
         return LidarOutput(
             scan=LaserScan(
                 header=header,
                 angle_min=config.angle_min,
-                angle_max=config.angle_min + config.increment * (config.beams - 1),
+                angle_max=config.angle_max,
                 angle_increment=config.increment,
-                scan_time=self._setup.dt,
+                scan_time=self._delivery.period,
                 range_min=config.range_min,
                 range_max=config.range_max,
-                ranges=_read_only(distance.astype(np.float32)),
+                ranges=distance.astype(np.float32),
             ),
-            agents=BeamAgents(
-                header=header, kind=_read_only(kind), agent=_read_only(agent), body_part=_read_only(body_part)
-            ),
+            agents=BeamAgents(header=header, kind=kind, agent=agent, body_part=body_part),
         )
-
-    def _pose(self, robot: RobotState) -> Pose:
-        ahead, left, up = self.config.position
-        cos, sin = math.cos(robot.heading), math.sin(robot.heading)
-        x, y = robot.position.tolist()
-        heading = robot.heading + self.config.yaw
-        return Pose(
-            x + cos * ahead - sin * left, y + sin * ahead + cos * left, up, math.cos(heading), math.sin(heading)
-        )
-
-    def _cylinders(self, robots: tuple[RobotState, ...]) -> Cylinders:
-        """The robots as the kernel takes them: arrays that are read-only, as those of a message are."""
-        return Cylinders(
-            _read_only(np.array([self._number_of[robot.name] for robot in robots], np.uint32)),
-            _read_only(np.array([robot.position for robot in robots], np.float64).reshape(-1, 2)),
-            _read_only(np.array([robot.radius for robot in robots], np.float64)),
-            _read_only(np.array([self._height_of[robot.name] for robot in robots], np.float64)),
-        )
-
-
-def _read_only(array: np.ndarray) -> np.ndarray:
-    array.flags.writeable = False
-    return array

@@ -14,12 +14,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from components.sensors.imperfections import Dropout, Gaussian, MixedPixels
 from components.sensors.lidar import Config, Lidar
 from crowdcosim.avatar import pose
 from crowdcosim.body import SEGMENTS
 from crowdcosim.component import make, ports_of
 from crowdcosim.message import check_finite
 from crowdcosim.messages import BeamAgents, LaserScan
+from crowdcosim.obstacles import Box, Disc
+from crowdcosim.robots import Mount
 from crowdcosim.world import Wall, World
 
 OPEN = World(size=(50.0, 50.0))
@@ -35,12 +38,16 @@ def box(width, height, **options):
 
 @pytest.fixture
 def lidar(setup):
-    def build(world=OPEN, seed=1, position=(0.0, 0.0, EYES), **options):
-        sensor = Lidar(Config(position=position, **options))
+    def build(world=OPEN, seed=1, position=(0.0, 0.0, EYES), yaw=0.0, **options):
+        sensor = Lidar(Config(mount=Mount(position=position, yaw=yaw), **options))
         sensor.reset(setup(world, seed=seed))
         return sensor
 
     return build
+
+
+def gaussian(deviation):
+    return (Gaussian(kind="gaussian", deviation=deviation),)
 
 
 def at(scan, angle):
@@ -65,8 +72,10 @@ def test_ports_are_those_that_scenarios_wire():
 
 
 def test_options_come_from_a_scenario():
-    lidar = make(Lidar, {"beams": 541, "field_of_view": 4.7, "position": [0.1, 0.0, 0.2]})
-    assert lidar.config.position == (0.1, 0.0, 0.2)
+    lidar = make(Lidar, {"beams": 541, "field_of_view": 4.7, "mount": {"position": [0.1, 0.0, 0.2]}})
+    assert lidar.config.mount == Mount(position=(0.1, 0.0, 0.2))
+    lidar = make(Lidar, {"imperfections": [{"kind": "dropout", "probability": 0.1}, {"kind": "mixed_pixels"}]})
+    assert lidar.config.imperfections == (Dropout(kind="dropout", probability=0.1), MixedPixels(kind="mixed_pixels"))
 
 
 @pytest.mark.parametrize(
@@ -77,8 +86,7 @@ def test_options_come_from_a_scenario():
         ("field_of_view", 6.3),
         ("range_min", -0.1),
         ("range_max", 0.1),
-        ("position", (0.0, 0.0, -0.1)),
-        ("noise", -0.01),
+        ("rate", 0.0),
     ],
 )
 def test_options_without_meaning_are_refused(option, value):
@@ -280,7 +288,7 @@ def test_noise_has_the_stated_deviation_and_no_bias(lidar, robot, people):
     """
     world, sigma = box(8.0, 5.0), 0.02
     true = lidar(world).step(robot(4.0, 2.5), people(), ())[0].ranges
-    sensor = lidar(world, noise=sigma)
+    sensor = lidar(world, imperfections=gaussian(sigma))
     scans = [sensor.step(robot(4.0, 2.5, nanoseconds=k * 100_000_000), people(), ())[0].ranges for k in range(100)]
     errors = np.array(scans, np.float64) - true
     n = errors.size
@@ -296,15 +304,15 @@ def test_noise_depends_on_seed_and_time_only(lidar, robot, people):
         return sensor.step(robot(4.0, 2.5, nanoseconds=tick * 100_000_000), people(), ())[0].ranges.tolist()
 
     world = box(8.0, 5.0)
-    sensor = lidar(world, noise=0.02)
+    sensor = lidar(world, imperfections=gaussian(0.02))
     scans = [ranges(sensor, tick) for tick in range(5)]
-    assert ranges(lidar(world, noise=0.02), 4) == scans[4]
-    assert ranges(lidar(world, noise=0.02, seed=2), 4) != scans[4]
+    assert ranges(lidar(world, imperfections=gaussian(0.02)), 4) == scans[4]
+    assert ranges(lidar(world, imperfections=gaussian(0.02), seed=2), 4) != scans[4]
     assert len({tuple(scan) for scan in scans}) == 5
 
 
 def test_noise_never_makes_a_range_that_the_device_does_not_measure(lidar, robot, people):
-    sensor = lidar(box(8.0, 5.0), noise=0.3, range_min=2.4, range_max=4.0)
+    sensor = lidar(box(8.0, 5.0), imperfections=gaussian(0.3), range_min=2.4, range_max=4.0)
     for tick in range(10):
         scan, agents = sensor.step(robot(4.0, 2.5, nanoseconds=tick * 100_000_000), people(), ())
         assert np.any(scan.ranges == -np.inf)
@@ -313,3 +321,92 @@ def test_noise_never_makes_a_range_that_the_device_does_not_measure(lidar, robot
         np.testing.assert_array_equal(scan.ranges == np.inf, agents.kind == BeamAgents.NOTHING)
         np.testing.assert_array_equal(agents.kind == BeamAgents.NOTHING, agents.agent == 0)
         np.testing.assert_array_equal(agents.kind == BeamAgents.PERSON, agents.body_part != BeamAgents.NO_PART)
+
+
+def test_who_is_hit_is_told_by_the_line_of_sight_and_nobody_by_a_beam_that_is_lost(lidar, robot, people):
+    """Errors that move ranges leave identities alone; a dropped beam says nobody."""
+    crowd, own = people((6.0, 5.2), (7.0, 4.5), (8.0, 5.0)), robot(5.0, 5.0)
+    true, agents = lidar(box(10.0, 10.0)).step(own, crowd, ())
+    spikes = (MixedPixels(kind="mixed_pixels", probability=1.0), *gaussian(0.05))
+    scan, noisy = lidar(box(10.0, 10.0), imperfections=spikes).step(own, crowd, ())
+    assert np.count_nonzero(np.abs(scan.ranges - true.ranges) > 0.3) >= 4
+    np.testing.assert_array_equal(noisy.agent, agents.agent)
+    np.testing.assert_array_equal(noisy.body_part, agents.body_part)
+    dropout = (Dropout(kind="dropout", probability=0.5),)
+    scan, left = lidar(box(10.0, 10.0), imperfections=dropout).step(own, crowd, ())
+    lost = scan.ranges == np.inf
+    assert 300 < np.count_nonzero(lost) < 420
+    assert not left.kind[lost].any() and not left.agent[lost].any() and not left.body_part[lost].any()
+    np.testing.assert_array_equal(left.agent[~lost], agents.agent[~lost])
+
+
+@pytest.mark.parametrize("field_of_view", [2 * math.pi, 4.0])
+def test_a_clockwise_scan_has_the_same_beams_in_the_other_order(lidar, robot, people, field_of_view):
+    crowd, own = people((6.0, 5.5), (3.0, 8.0), (5.0, 3.0)), robot(5.0, 5.0, 0.3)
+    left, left_agents = lidar(box(10.0, 10.0), field_of_view=field_of_view).step(own, crowd, ())
+    right, right_agents = lidar(box(10.0, 10.0), field_of_view=field_of_view, clockwise=True).step(own, crowd, ())
+    assert right.angle_increment == -left.angle_increment
+    assert right.angle_max == pytest.approx(right.angle_min + 719 * right.angle_increment, abs=1e-5)
+
+    def by_angle(scan, values):
+        angles = scan.angle_min + scan.angle_increment * np.arange(720)
+        turns = np.rint((angles + math.pi) / abs(scan.angle_increment)).astype(int) % 720
+        return dict(zip(turns.tolist(), values.tolist(), strict=True))
+
+    if field_of_view == 4.0:
+        np.testing.assert_array_equal(right.ranges, left.ranges[::-1])
+        np.testing.assert_array_equal(right_agents.agent, left_agents.agent[::-1])
+    else:  # All around, beam 0 is behind in both.
+        ranges, expected = by_angle(right, right.ranges), by_angle(left, left.ranges)
+        assert ranges == pytest.approx(expected, rel=1e-6)
+        assert by_angle(right, right_agents.agent) == by_angle(left, left_agents.agent)
+
+
+def test_nothing_may_be_told_as_the_farthest_range(lidar, robot, people):
+    scan, agents = lidar(no_hit="range_max", range_max=8.0).step(robot(5.0, 5.0), people((8.0, 5.0)), ())
+    assert scan.ranges.max() == 8.0
+    np.testing.assert_array_equal(scan.ranges == 8.0, agents.kind == BeamAgents.NOTHING)
+
+
+def test_obstacles_are_seen_if_they_are_as_high_as_the_scanner(lidar, robot, people):
+    low = Box(shape="box", centre=(7.0, 5.0), size=(0.2, 2.0), height=0.4)
+    pillar = Disc(shape="disc", centre=(9.0, 5.0), radius=0.3)
+    world = World(size=(50.0, 50.0), obstacles=(low, pillar))
+    scan, agents = lidar(world, position=(0.0, 0.0, 0.5)).step(robot(5.0, 5.0), people(), ())
+    assert (agents.kind[at(scan, 0.0)], agents.agent[at(scan, 0.0)]) == (BeamAgents.WALL, 2)
+    assert scan.ranges[at(scan, 0.0)] == pytest.approx(3.7, abs=0.0015)  # a polygon of 32 edges around the disc
+    scan, agents = lidar(world, position=(0.0, 0.0, 0.3)).step(robot(5.0, 5.0), people(), ())
+    assert agents.agent[at(scan, 0.0)] == 1
+    assert scan.ranges[at(scan, 0.0)] == pytest.approx(1.9, rel=FLOAT32)
+
+
+def test_scans_come_at_their_rate_and_bear_the_time_at_which_they_were_taken(lidar, robot, people):
+    sensor = lidar(rate=5.0)
+    stamps = []
+    for tick in range(6):
+        own = robot(5.0 + 0.1 * tick, 5.0, nanoseconds=tick * 100_000_000)
+        scan, agents = sensor.step(own, people((8.0, 5.0)), ())
+        stamps.append(scan.header.stamp.nanosec)
+        assert agents.header == scan.header
+        assert scan.ranges[at(scan, 0.0)] == pytest.approx(3.0 - 0.1 * (tick // 2 * 2) + AHEAD - HEAD, rel=FLOAT32)
+    assert stamps == [0, 0, 200_000_000, 200_000_000, 400_000_000, 400_000_000]
+    assert scan.scan_time == np.float32(0.2)
+
+
+def test_a_mount_of_the_robots_own_is_found_by_name(setup, robot, people):
+    scenario_setup = setup(OPEN)
+    model = dataclasses.replace(
+        scenario_setup.own_robot.model, mounts={"mast": Mount(position=(1.0, 0.5, EYES), yaw=math.pi)}
+    )
+    me = dataclasses.replace(scenario_setup.own_robot, model=model)
+    sensor = Lidar(Config(mount="mast"))
+    sensor.reset(dataclasses.replace(scenario_setup, robots=(me, *scenario_setup.robots[1:])))
+    scan, agents = sensor.step(robot(5.0, 5.0, math.pi / 2), people((4.5, 2.0), heading=math.pi / 2), ())
+    assert agents.agent[at(scan, 0.0)] == 101
+    with pytest.raises(ValueError, match=r"mount is 'mats', expected one of the robot's \(mast\)"):
+        Lidar(Config(mount="mats")).reset(dataclasses.replace(scenario_setup, robots=(me,)))
+
+
+def test_a_mount_that_is_not_level_is_refused(setup):
+    with pytest.raises(ValueError, match="pitch of 0.1, expected 0"):
+        Config(mount=Mount(position=(0.0, 0.0, 1.0), pitch=0.1))

@@ -14,6 +14,7 @@ from components.sensors.lidar import Config, Lidar
 from crowdcosim.avatar import pose
 from crowdcosim.body import BODY_PART
 from crowdcosim.messages import BeamAgents, Crowd
+from crowdcosim.robots import Mount
 from crowdcosim.world import Wall, World
 
 
@@ -32,7 +33,7 @@ def brute_force(config, world, robot, crowd, others, grow=0.0, shift=(0.0, 0.0))
     origin = place(config, robot) + np.array(shift)
     full = config.field_of_view == 2 * math.pi
     offsets = np.linspace(-0.5, 0.5, config.beams, endpoint=not full) * config.field_of_view
-    angles = robot.heading + config.yaw + offsets
+    angles = robot.heading + config.mount.yaw + offsets
     beams = np.exp(1j * angles)
     found = [(np.full(config.beams, np.inf), BeamAgents.NOTHING, 0, 0)]
     for number, wall in enumerate(world.walls, 1):
@@ -45,7 +46,7 @@ def brute_force(config, world, robot, crowd, others, grow=0.0, shift=(0.0, 0.0))
         met[(p.imag > 0) == (q.imag > 0)] = np.inf
         met[~(met >= 0)] = np.inf
         found.append((met, BeamAgents.WALL, number, 0))
-    height = config.position[2] + shift[1]
+    height = config.mount.position[2] + shift[1]
     bodies = pose(np.zeros_like(crowd.position), crowd.velocity, crowd.heading, crowd.stature, crowd.gait_phase)
     for i, number in enumerate(crowd.id.tolist()):
         for centre in images(crowd.position[i] - origin, config.range_max + 3.0, world):
@@ -100,7 +101,7 @@ def entry(square, half, constant):
 
 def place(config, robot):
     cos, sin = math.cos(robot.heading), math.sin(robot.heading)
-    return robot.position + np.array([[cos, -sin], [sin, cos]]) @ config.position[:2]
+    return robot.position + np.array([[cos, -sin], [sin, cos]]) @ config.mount.position[:2]
 
 
 def is_on(wall, point):
@@ -172,8 +173,7 @@ def test_scan_equals_brute_force(setup, robot, scene):
         field_of_view=scene["field_of_view"],
         range_min=0.0,
         range_max=scene["range_max"],
-        position=scene["mount"],
-        yaw=scene["yaw"],
+        mount=Mount(position=scene["mount"], yaw=scene["yaw"]),
     )
     own, crowd = robot(*scene["pose"]), walkers(scene["people"])
     others = tuple(robot(*where, number=n) for n, where in enumerate(scene["others"], 2))
@@ -205,7 +205,7 @@ def test_a_dense_corridor_equals_brute_force(setup, robot):
     rng = np.random.default_rng(3)
     for periodic, height in (((True, True), 0.3), ((False, False), 0.06), ((True, False), 1.1)):
         world = World(size=(50.0, 10.0), periodic=periodic, walls=walls[1::2] if periodic[0] else walls)
-        config = Config(range_min=0.0, position=(0.0, 0.0, height))
+        config = Config(range_min=0.0, mount=Mount(position=(0.0, 0.0, height)))
         lidar = Lidar(config)
         lidar.reset(setup(world))
         crowd = walkers(rng.uniform((0, 0, -1.3, -0.3, 0, 0, 0), (50, 10, 1.3, 0.3, 1, 1, 1), (350, 7)))
