@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -154,6 +154,60 @@ def list_(as_json: Json = False) -> None:
         from orchestrator.commands.list import print_list
 
         print_list(as_json)
+
+
+@app.command()
+def bench(
+    suite: Annotated[str, typer.Argument(help="A shipped suite (`smoke`, `paper`), or a folder of scenario files.")],
+    controllers: Annotated[
+        str,
+        typer.Option(
+            "--controllers",
+            "-c",
+            metavar="A,B,...",
+            help="Shipped ones by name, your own as `./mine.py:Mine`, or with options in a file, `./tuned.yaml`.",
+        ),
+    ] = "baseline,dwa,rvo",
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the tables; by default `runs/SUITE`. What is done there is not done again."),
+    ] = None,
+    workers: Annotated[int | None, typer.Option("--workers", "-j", help="Processes; by default one per core.")] = None,
+    cluster: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Run on a Dask cluster instead, such as tcp://host:8786.")
+    ] = None,
+    seeds: Annotated[int, typer.Option(min=1, help="Run every scenario with so many seeds, from its own on.")] = 1,
+    settings: Settings = None,
+    form: Annotated[Literal["csv", "parquet"], typer.Option("--format", help="Of the tables.")] = "csv",
+    timeout: Annotated[float, typer.Option(help="Longest time for an episode, wall clock [s].")] = 600.0,
+    as_json: Json = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table.")] = False,
+) -> None:
+    """Run every controller in every scenario of a suite, on all cores; a sweep that was stopped goes on where it was.
+
+    Example: `crowdcosim bench paper --controllers baseline,dwa,rvo,./mine.py:Mine`
+    """
+    with _reporting(as_json), _terminable():
+        from orchestrator.benchmark.sweep import Where
+        from orchestrator.commands.bench import run_bench
+
+        chosen = {"cluster": cluster, "timeout": timeout} | ({} if workers is None else {"workers": workers})
+        try:
+            where = Where(**chosen)  # type: ignore[arg-type]
+        except ValueError as error:
+            raise InputError(f"--{error}") from None
+        if not run_bench(
+            suite,
+            controllers=controllers,
+            settings=settings or [],
+            seeds=seeds,
+            out=out or Path("runs") / Path(suite).name,
+            form=form,
+            where=where,
+            as_json=as_json,
+            quiet=quiet,
+        ):
+            raise typer.Exit(FAILED)
 
 
 @app.command()

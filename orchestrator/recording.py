@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import platform
-import subprocess
 from collections.abc import Mapping
-from importlib.metadata import version
 from pathlib import Path
 
 from pydantic import TypeAdapter
 
-from crowdcosim import __version__
 from crowdcosim.host import Source
 from orchestrator.errors import RunError
 from orchestrator.frames import FRAME_CHANNELS, frame_records, static_records
 from orchestrator.lockstep import Committed
+from orchestrator.provenance import versions
 from orchestrator.recorder import Channel, Record, Recorder, as_json, topic_of
-from orchestrator.scenario import Scenario
 from orchestrator.scenery import MARKER_CHANNELS, Scenery, world_record
 from orchestrator.simulation import Simulation
 
@@ -50,7 +46,9 @@ def open_log(simulation: Simulation, path: Path, reference: Reference | None) ->
             path,
             (*FRAME_CHANNELS, *MARKER_CHANNELS, *channels),
             attachments=attachments,
-            metadata={"run": _provenance(simulation.scenario)},
+            metadata={
+                "run": {"scenario": simulation.scenario.name, "seed": str(simulation.scenario.seed)} | versions()
+            },
         )
     except OSError as error:
         raise RunError(None, None, f"cannot write {path}: {error.strerror}") from None
@@ -83,30 +81,3 @@ class Committer:
             moved = {c.component for c in made if c.port == "state"}
             records += frame_records(now, [self._newest(robot, "state") for robot in self._robots if robot in moved])
         self._recorder.add(records + self._scenery.records(made))
-
-
-def _provenance(scenario: Scenario) -> dict[str, str]:
-    packages = ("numpy", "numba", "pymunk", "eclipse-zenoh", "rosbags", "mcap")
-    return {
-        "scenario": scenario.name,
-        "seed": str(scenario.seed),
-        "crowdcosim": __version__,
-        "python": platform.python_version(),
-        "platform": platform.platform(),
-        "git_commit": _git_commit(),
-        **{package: version(package) for package in packages},
-    }
-
-
-def _git_commit() -> str:
-    """The commit of the checkout that runs, empty for an installed wheel."""
-    here = Path(__file__).parent.parent
-    if not (here / ".git").exists():
-        return ""
-    try:
-        answer = subprocess.run(
-            ["git", "-C", str(here), "rev-parse", "HEAD"], capture_output=True, text=True, timeout=5, check=False
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return ""
-    return answer.stdout.strip()
