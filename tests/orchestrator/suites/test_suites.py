@@ -14,6 +14,7 @@ from orchestrator.scenario import Scenario, load
 from orchestrator.shipped import scenarios_folder, suite_names
 from orchestrator.suites.catalogue import GENERATORS, find_suite, generator
 from orchestrator.suites.frozen import write
+from orchestrator.suites.paper import TURTLEBOT2
 from orchestrator.suites.placing import place
 
 
@@ -47,7 +48,9 @@ def test_the_hundred_differ_in_nothing_but_the_crowd_and_its_seed(hundred: list[
 
     assert all(rest(scenario) == rest(hundred[0]) for scenario in hundred)
     assert hundred[0].world == load("corridor").world
-    assert hundred[0].robots == load("corridor").robots
+    (frozen,), (shipped,) = hundred[0].robots, load("corridor").robots
+    assert {name: getattr(shipped.model, name) for name in TURTLEBOT2} == TURTLEBOT2
+    assert (frozen.start, frozen.goal) == (shipped.start, shipped.goal)
 
 
 def test_nobody_of_the_hundred_overlaps_anybody_at_the_start(hundred: list[Scenario]) -> None:
