@@ -15,6 +15,7 @@ Family = Literal["crowd", "drive", "sensor", "controller", "evaluator"]
 SHIPPED: dict[Family, dict[str, str]] = {
     "crowd": {"crowd": "components.crowd.crowd:CrowdModel"},
     "drive": {
+        "forces": "components.robot.forces:Forces",
         "kinematic": "components.robot.kinematic:Kinematic",
         "wheels": "components.robot.wheels:Wheels",
     },

@@ -12,19 +12,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from components.robot.drive import Bound, Drive, Motion, chord, free_share, limited, towards
 from crowdcosim.messages import Twist
 from crowdcosim.robots import Car
 
 
-@dataclass(slots=True, kw_only=True)
 class CarDrive(Drive):
     """Steered front wheels: it turns only while it drives. It ignores a command's `linear.y`."""
 
-    steering: float = 0.0
-    """angle of the front wheels, counter-clockwise [rad]"""
+    __slots__ = ()
 
     @property
     def base(self) -> Car:
@@ -59,7 +56,3 @@ class CarDrive(Drive):
         if free >= 1.0:
             return motion
         return Motion(free * motion.dx, free * motion.dy, free * motion.turn, 0.0, 0.0, 0.0, motion.steering)
-
-    def move(self, motion: Motion) -> None:
-        Drive.move(self, motion)
-        self.steering = motion.steering

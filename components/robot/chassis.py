@@ -18,33 +18,15 @@ The robot itself does not wrap around: its position goes on beyond a seam, acros
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-import numpy as np
-
-from components.robot.body_part import REFLECTED_MASS, TouchedPart
-from components.robot.car import CarDrive
+from components.robot.bases import drive_at_start
 from components.robot.contact import ContactLog
-from components.robot.differential import DifferentialDrive
-from components.robot.drive import ALONG, Bound, Drive, Motion
-from components.robot.holonomic import HolonomicDrive
+from components.robot.drive import ALONG, Bound, Motion
+from components.robot.robot_step import RobotStep, robot_state
 from components.robot.surroundings import Obstacle, Surroundings
+from components.robot.vicinity import TOUCH, Vicinity
 from crowdcosim.messages import Contacts, Crowd, Header, RobotState
 from crowdcosim.setup import Setup, time_of
-
-INNER_STEPS = 10
-
-# Surfaces this near touch [m]: more than rounding and what the tangent plane leaves out, less than what matters.
-_TOUCH = 1e-3
-
-_DRIVES: dict[str, type[Drive]] = {"differential": DifferentialDrive, "holonomic": HolonomicDrive, "car": CarDrive}
-
-
-class RobotStep(NamedTuple):
-    """What a robot's body says at the end of a step."""
-
-    state: RobotState
-    contacts: Contacts
 
 
 class Chassis:
@@ -57,22 +39,16 @@ class Chassis:
         self._robot = robot
         self._time = 0
         self._unhindered = False
-        self._robot_of = {other.name: other for other in setup.robots}
-        self.drive = _DRIVES[robot.model.base.kind](
-            model=robot.model,
-            x=robot.start.x,
-            y=robot.start.y,
-            heading=math.remainder(robot.start.heading, 2.0 * math.pi),
-        )
-        self._touched_part = TouchedPart(robot.model.height)
+        self.drive = drive_at_start(robot)
+        self._vicinity = Vicinity(setup)
         self._surroundings = Surroundings(setup.world)
         self._log = ContactLog(robot=robot.name, mass=robot.model.mass, radius=robot.model.radius)
 
     def begin_step(self, crowd: Crowd, others: tuple[RobotState, ...], top_speed: float) -> None:
         """Look around for whatever the robot may touch in this step at `top_speed` [m/s]: walls, people, robots."""
-        obstacles = self._people(crowd, top_speed) + self._robots(others, top_speed)
+        obstacles = self._vicinity.obstacles(self.drive.x, self.drive.y, crowd, others, top_speed)
         self._surroundings.place(obstacles)
-        reach = self._robot.model.radius + top_speed * self._setup.dt + _TOUCH
+        reach = self._robot.model.radius + top_speed * self._setup.dt + TOUCH
         self._unhindered = not (obstacles or self._surroundings.near(self.drive.x, self.drive.y, reach, h=0.0))
 
     def move(self, motion: Motion, h: float) -> None:
@@ -88,7 +64,7 @@ class Chassis:
             return False
         drive = self.drive
         ahead_x, ahead_y = way * math.cos(drive.heading), way * math.sin(drive.heading)
-        near = self._surroundings.near(drive.x, drive.y, self._robot.model.radius + _TOUCH, h=0.0)
+        near = self._surroundings.near(drive.x, drive.y, self._robot.model.radius + TOUCH, h=0.0)
         return any(nx * ahead_x + ny * ahead_y > ALONG for _, _, nx, ny in near)
 
     def end_step(self) -> RobotStep:
@@ -98,23 +74,14 @@ class Chassis:
 
     def output(self) -> RobotStep:
         """State and contacts now."""
-        drive = self.drive
         header = Header(stamp=time_of(self._time), frame_id="map")
-        state = RobotState(
-            header=header,
-            name=self._robot.name,
-            position=np.array((drive.x, drive.y)),
-            heading=drive.heading,
-            velocity=np.array(drive.velocity),
-            angular_velocity=drive.turn_rate,
-            radius=self._robot.model.radius,
-        )
-        return RobotStep(state=state, contacts=self._log.close_step(header, self._setup.dt))
+        contacts = self._log.close_step(header, self._setup.dt)
+        return RobotStep(state=robot_state(self._robot, self.drive, header), contacts=contacts)
 
     def _move_among_obstacles(self, motion: Motion, h: float) -> None:
         drive = self.drive
         velocity = drive.velocity
-        reach = self._robot.model.radius + math.hypot(motion.dx, motion.dy) + _TOUCH
+        reach = self._robot.model.radius + math.hypot(motion.dx, motion.dy) + TOUCH
         near = self._surroundings.near(drive.x, drive.y, reach, h)
         bounds = [self._bound(motion, *obstacle, h) for obstacle in near]
         until = min(drive.stops_after(motion, bounds), 1.0)
@@ -123,7 +90,7 @@ class Chassis:
         for (obstacle, distance, nx, ny), bound in zip(near, bounds, strict=True):
             met = bound.share <= until
             closing = nx * left.dx + ny * left.dy - (nx * obstacle.vx + ny * obstacle.vy) * h
-            if met or distance - self._robot.model.radius - closing <= _TOUCH:
+            if met or distance - self._robot.model.radius - closing <= TOUCH:
                 self._log.touch(obstacle, (drive.x, drive.y), drive.heading, (nx, ny), velocity)
             # A robot that drives at this one stops where they meet, if this one is still on its way.
             if met and obstacle.kind == Contacts.ROBOT and nx * obstacle.vx + ny * obstacle.vy < 0.0:
@@ -139,53 +106,3 @@ class Chassis:
         if 0.0 < gap >= mine - theirs:
             return Bound(nx, ny, most, math.inf)
         return Bound(nx, ny, most, gap / (mine - theirs) if gap > 0.0 else 0.0)
-
-    def _people(self, crowd: Crowd, top_speed: float) -> list[Obstacle]:
-        """The people whom the robot may touch in this step, in the image next to it."""
-        model = self._robot.model
-        position = np.array((self.drive.x, self.drive.y))
-        way = self._setup.world.displacement(position, crowd.position)
-        gap = np.hypot(way[:, 0], way[:, 1]) - crowd.radius - model.radius
-        closing = np.hypot(crowd.velocity[:, 0], crowd.velocity[:, 1]) + top_speed
-        obstacles = []
-        for k in np.flatnonzero(gap <= closing * self._setup.dt + _TOUCH).tolist():
-            part = self._touched_part(crowd, k, way[k])
-            obstacles.append(
-                Obstacle(
-                    kind=Contacts.PERSON,
-                    agent=int(crowd.id[k]),
-                    body_part=part,
-                    reflected_mass=REFLECTED_MASS[part],
-                    x=float(position[0] + way[k, 0]),
-                    y=float(position[1] + way[k, 1]),
-                    vx=float(crowd.velocity[k, 0]),
-                    vy=float(crowd.velocity[k, 1]),
-                    radius=float(crowd.radius[k]),
-                )
-            )
-        return obstacles
-
-    def _robots(self, others: tuple[RobotState, ...], top_speed: float) -> list[Obstacle]:
-        """The robots that this one may touch in this step, in the image next to it."""
-        position = np.array((self.drive.x, self.drive.y))
-        obstacles = []
-        for other in others:
-            dx, dy = self._setup.world.displacement(position, other.position).tolist()
-            vx, vy = other.velocity.tolist()
-            gap = math.hypot(dx, dy) - other.radius - self._robot.model.radius
-            if gap > (math.hypot(vx, vy) + top_speed) * self._setup.dt + _TOUCH:
-                continue
-            robot = self._robot_of[other.name]
-            obstacles.append(
-                Obstacle(
-                    kind=Contacts.ROBOT,
-                    agent=robot.number,
-                    reflected_mass=robot.model.mass,
-                    x=self.drive.x + dx,
-                    y=self.drive.y + dy,
-                    vx=vx,
-                    vy=vy,
-                    radius=other.radius,
-                )
-            )
-        return obstacles

@@ -67,6 +67,8 @@ class Drive:
     """to the left [m/s]"""
     turn_rate: float = 0.0
     """counter-clockwise [rad/s]"""
+    steering: float = 0.0
+    """angle of the front wheels, where they steer, counter-clockwise [rad]"""
 
     @property
     def velocity(self) -> tuple[float, float]:
@@ -99,6 +101,7 @@ class Drive:
         self.speed = motion.speed
         self.lateral_speed = motion.lateral_speed
         self.turn_rate = motion.turn_rate
+        self.steering = motion.steering
 
 
 def free_share(motion: Motion, bounds: Sequence[Bound]) -> float:

@@ -11,11 +11,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from components.robot.chassis import INNER_STEPS
 from components.robot.fmu_file import FmuError
 from components.robot.fmu_instance import FmuInstance, Value
 from components.robot.fmu_parts import INPUTS, RESULTS, Variable, Variables
 from components.robot.motor import Vehicle, compliance, hold
+from components.robot.robot_step import INNER_STEPS
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from components.robot.chassis import INNER_STEPS, Chassis, RobotStep
+from components.robot.chassis import Chassis
+from components.robot.robot_step import INNER_STEPS, RobotStep
 from crowdcosim.component import Mover
 from crowdcosim.messages import Crowd, RobotState, Twist
 from crowdcosim.setup import Setup

@@ -12,9 +12,16 @@ import pymunk
 from crowdcosim.messages import Contacts
 from crowdcosim.world import World
 
-# One group for all: people and walls pass each other here, only the robot's own queries meet them.
+ROBOT = 2
+"""pymunk's category of the robot's own shape, where it has one in the space"""
+
+# One group for all: people and walls pass each other here, only the robot and its queries meet them.
 _TOGETHER = pymunk.ShapeFilter(group=1)
-_ANYTHING = pymunk.ShapeFilter()
+_PASSED = pymunk.ShapeFilter(group=1, mask=pymunk.ShapeFilter.ALL_MASKS() ^ ROBOT)
+_ANYTHING = pymunk.ShapeFilter(mask=pymunk.ShapeFilter.ALL_MASKS() ^ ROBOT)
+
+# How far bodies may stay within each other [m]: little, but more than rounding.
+_SLOP = 1e-4
 
 
 @dataclass(slots=True, kw_only=True)
@@ -60,8 +67,11 @@ class _Disc(NamedTuple):
 class Surroundings:
     """A pymunk space with the world's walls, and a disc for every obstacle that is near during this step."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, *, movable: bool = False) -> None:
+        """With `movable`, people and robots have their masses and yield to a robot that is put into the space."""
         self._space = pymunk.Space()
+        self._space.collision_slop = _SLOP
+        self._body_type = pymunk.Body.DYNAMIC if movable else pymunk.Body.KINEMATIC
         self._discs: list[_Disc] = []
         self._obstacle_of: dict[pymunk.Shape, Obstacle] = {}
         self._fastest = 0.0
@@ -72,6 +82,11 @@ class Surroundings:
             self._space.add(segment)
             self._obstacle_of[segment] = Obstacle(kind=Contacts.WALL, agent=number)
 
+    @property
+    def space(self) -> pymunk.Space:
+        """Where a robot with a body of its own belongs."""
+        return self._space
+
     def place(self, obstacles: Sequence[Obstacle]) -> None:
         """Let these people and robots, and no others, be around from now on."""
         self._resize(len(obstacles))
@@ -79,6 +94,9 @@ class Surroundings:
         for (body, shape), obstacle in zip(self._discs, obstacles, strict=False):
             body.position = (obstacle.x, obstacle.y)
             body.velocity = (obstacle.vx, obstacle.vy)
+            if self._body_type == pymunk.Body.DYNAMIC:
+                body.mass = obstacle.reflected_mass
+            shape.filter = _TOGETHER
             shape.unsafe_set_radius(obstacle.radius)
             self._space.reindex_shape(shape)
             self._obstacle_of[shape] = obstacle
@@ -93,6 +111,21 @@ class Surroundings:
         """Let `h` [s] pass: everybody goes on at constant velocity."""
         self._space.step(h)
 
+    def shrink(self, x: float, y: float, radius: float) -> None:
+        """Let those who overlap with a robot of `radius` at (x, y) [m] touch it, or pass if it is over their centre."""
+        for body, shape in self._discs[: self._count]:
+            free = math.hypot(body.position.x - x, body.position.y - y) - radius
+            if free <= 0.0:
+                shape.filter = _PASSED
+            elif free < shape.radius:
+                shape.unsafe_set_radius(free)
+
+    def update(self) -> None:
+        """Tell every obstacle the velocity that its body has now."""
+        for body, shape in self._discs[: self._count]:
+            obstacle = self._obstacle_of[shape]
+            obstacle.vx, obstacle.vy = body.velocity
+
     def halt(self, obstacle: Obstacle, after: float) -> None:
         """Let `obstacle`, a robot, stop for good `after` [s] from now."""
         body = next(body for body, shape in self._discs if self._obstacle_of[shape] is obstacle)
@@ -103,7 +136,7 @@ class Surroundings:
     def _resize(self, count: int) -> None:
         """Have `count` discs in the space; the rest are kept aside, for adding is cheaper than making."""
         while len(self._discs) < count:
-            body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+            body = pymunk.Body(mass=1.0, moment=math.inf, body_type=self._body_type)
             shape = pymunk.Circle(body, radius=0.0)
             shape.filter = _TOGETHER
             self._discs.append(_Disc(body, shape))

@@ -16,24 +16,23 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from components.robot.chassis import INNER_STEPS, Chassis, RobotStep
+from components.robot.chassis import Chassis
 from components.robot.differential import DifferentialDrive
+from components.robot.floor import GRAVITY, GRIP
 from components.robot.fmu_parts import Variables
 from components.robot.motor import Motor, NativeMotors, Vehicle
+from components.robot.robot_step import INNER_STEPS, RobotStep
 from crowdcosim.component import ComponentError, Mover
 from crowdcosim.messages import Crowd, RobotState, Twist
 from crowdcosim.robots import Differential, Robot
 from crowdcosim.setup import Setup
-
-GRAVITY = 9.81
-"""[m/s2]"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
     """Options of `Wheels`."""
 
-    grip: float = 0.8
+    grip: float = GRIP
     """coefficient of friction between tyres and floor [1]"""
     motor: Motor = field(default_factory=Motor)
     """of each wheel; for the native motors and the built-in FMU"""

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
-from components.robot.kinematic import Kinematic, RobotStep
+from components.robot.kinematic import Kinematic
+from components.robot.robot_step import RobotStep
+from crowdcosim.component import Mover
 from crowdcosim.messages import Crowd, Twist, Vector3
 from crowdcosim.robots import Differential, Pose, Robot, RobotModel, Target
 from crowdcosim.setup import Setup
@@ -30,12 +33,19 @@ OPEN = World(size=(50.0, 10.0))
 class Bodies:
     """Robots of one scenario that step together from the same old state."""
 
-    def __init__(self, *starts: Pose, world: World = OPEN, model: RobotModel = TURTLEBOT, period: int = 100_000_000):
+    def __init__(
+        self,
+        *starts: Pose,
+        world: World = OPEN,
+        model: RobotModel = TURTLEBOT,
+        period: int = 100_000_000,
+        drive: Callable[[], Mover] = Kinematic,
+    ):
         robots = tuple(
             Robot(name=f"robot{n}", number=n, model=model, start=start, goal=Target(x=0.0, y=0.0))
             for n, start in enumerate(starts, 1)
         )
-        self.components = [Kinematic() for _ in robots]
+        self.components: list[Any] = [drive() for _ in robots]
         self.last: list[RobotStep] = [
             body.reset(Setup(component=robot.name, period=period, seed=1, world=world, robots=robots, robot=robot.name))
             for body, robot in zip(self.components, robots, strict=True)
