@@ -47,8 +47,6 @@ _SKIN: Colour = (0.87, 0.68, 0.55, 1.0)
 _SHIRT: Colour = (0.22, 0.45, 0.70, 1.0)
 _TROUSERS: Colour = (0.20, 0.22, 0.30, 1.0)
 
-_STATURE = 1.7
-"""lines have one width for all people, that of somebody this tall [m]"""
 _SEEN = 800_000_000
 """a contact stays in sight for so long [ns]"""
 
@@ -60,11 +58,15 @@ def _limbs(*names: str) -> NDArray[np.intp]:
 
 # What is drawn of a body, from the feet up: as few lines as show that somebody walks.
 _PARTS = (
-    ("legs", _limbs("shank", "thigh"), _TROUSERS),
-    ("arms", _limbs("upper arm", "forearm"), _SHIRT),
-    ("trunk", _limbs("left trunk", "right trunk"), _SHIRT),
+    ("legs", _limbs("shank", "thigh"), 0.12, _TROUSERS),
+    ("trunk", _limbs("left trunk"), 0.30, _SHIRT),
 )
+"""name, capsules, width of the lines [m], colour"""
+_TRUNK, _OTHER_TRUNK = _limbs("trunk")
 _HEAD = _limbs("head")
+
+_GRID = 1024.0
+"""points lie on multiples of 1 / 1024 m: numbers with few digits compress to half their size"""
 
 
 class Scenery:
@@ -96,27 +98,28 @@ def world_record(world: World, robots: tuple[Robot, ...]) -> Record:
 
 
 def people_record(crowd: Crowd, time_ns: int) -> Record:
-    """Everybody's legs, arms, trunk and head."""
-    capsules = pose(crowd.position, crowd.velocity, crowd.heading, crowd.stature, crowd.gait_phase)
+    """Everybody's legs, trunk and head."""
+    capsules = pose(crowd.position, crowd.velocity, crowd.heading, crowd.stature, crowd.gait_phase)[:, :, :6]
+    capsules[:, _TRUNK] = 0.5 * (capsules[:, _TRUNK] + capsules[:, _OTHER_TRUNK])
+    capsules = np.rint(capsules * _GRID) / _GRID
     markers = [
         Marker(
             namespace=name,
             frame="map",
             type=LINE_LIST,
-            scale=(2.0 * _STATURE * float(body.RADIUS[chosen].mean()), 0.0, 0.0),
+            scale=(width, 0.0, 0.0),
             colour=colour,
-            points=capsules[:, chosen, :6].reshape(-1, 3),
+            points=capsules[:, chosen].reshape(-1, 3),
         )
-        for name, chosen, colour in _PARTS
+        for name, chosen, width, colour in _PARTS
     ]
-    size = 2.2 * _STATURE * float(body.RADIUS[_HEAD][0])
     centres = 0.5 * (capsules[:, _HEAD, :3] + capsules[:, _HEAD, 3:6]).reshape(-1, 3)
     markers.append(
         Marker(
             namespace="heads",
             frame="map",
             type=SPHERE_LIST,
-            scale=(size, size, 1.3 * size),
+            scale=(0.18, 0.18, 0.24),
             colour=_SKIN,
             points=centres,
         )
