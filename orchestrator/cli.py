@@ -270,6 +270,104 @@ def evaluate(log: LogFile, as_json: Json = False) -> None:
         print_evaluation(_log_file(log), as_json)
 
 
+@app.command()
+def rerun(
+    log: LogFile,
+    component: Annotated[str, typer.Argument(help="Its name in the scenario, such as `robot/controller`.")],
+    use: Annotated[str | None, typer.Option(help="Another class in its place, such as `./mine.py:Mine`.")] = None,
+    config: Annotated[str | None, typer.Option(metavar="JSON", help="Other options than it had.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Run one component again on the recorded outputs of the others, in this process: to debug it alone.
+
+    Example: `crowdcosim rerun runs/latest robot/controller` or `python -m pdb -m crowdcosim rerun ...`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.rerun import print_rerun
+
+        if not print_rerun(_log_file(log), component, use, config, as_json):
+            raise typer.Exit(FAILED)
+
+
+@app.command()
+def replay(
+    log: LogFile,
+    realtime: Annotated[float, typer.Option(metavar="FACTOR", help="Pace: simulated seconds per second.")] = 1.0,
+    listen: Annotated[
+        str, typer.Option(metavar="ENDPOINT", help="Where subscribers attach; loopback only by default.")
+    ] = "tcp/127.0.0.1:7447",
+    wait: Annotated[float, typer.Option(help="Before the first message, for subscribers to attach [s].")] = 1.0,
+) -> None:
+    """Publish a log on Zenoh at its pace, under the keys of the run.
+
+    Example: `crowdcosim replay runs/latest --realtime 2`
+    """
+    with _reporting(as_json=False):
+        from orchestrator.commands.replay import publish_log
+
+        publish_log(_log_file(log), realtime, listen, wait)
+
+
+@app.command()
+def diff(a: LogFile, b: LogFile, as_json: Json = False) -> None:
+    """Find the first tick and channel in which two logs differ.
+
+    Example: `crowdcosim diff runs/before runs/after`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.diff import print_differences
+
+        if not print_differences(_log_file(a), _log_file(b), as_json):
+            raise typer.Exit(FAILED)
+
+
+@app.command()
+def doctor(log: LogFile, as_json: Json = False) -> None:
+    """Check that a log is well-formed: structure, index, checksums, types.
+
+    Example: `crowdcosim doctor runs/latest`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.doctor import print_faults
+
+        if not print_faults(_log_file(log), as_json):
+            raise typer.Exit(FAILED)
+
+
+@app.command()
+def recover(
+    log: LogFile,
+    out: Annotated[Path | None, typer.Option(help="File to write; by default RUN.recovered.mcap.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Save every complete chunk of a log that was cut off, with an index.
+
+    Example: `crowdcosim recover runs/latest`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.recover import print_recovery
+
+        source = _log_file(log)
+        print_recovery(source, out or source.with_suffix(".recovered.mcap"), as_json)
+
+
+@app.command()
+def export(
+    log: LogFile,
+    form: Annotated[str, typer.Argument(metavar="FORM", help="`rosbag2`, `csv`, `parquet` or `crowdbot`.")],
+    out: Annotated[Path | None, typer.Option(help="Folder or file to write; by default beside the log.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Write a log in another form: a rosbag2 folder, tables, or the JSON of the paper's recorder.
+
+    Example: `crowdcosim export runs/latest rosbag2`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.export import print_export
+
+        print_export(_log_file(log), form, out, as_json)
+
+
 @fmu.command("build")
 def fmu_build(
     out: Annotated[Path, typer.Option(help="Folder for the two files.")] = Path("."), as_json: Json = False

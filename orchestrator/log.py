@@ -49,6 +49,8 @@ class Log:
     """topic -> ROS 2 type"""
     places: dict[str, tuple[str, str]] = field(default_factory=dict)
     """topic -> (component, port)"""
+    latched: set[str] = field(default_factory=set)
+    """topics of which whoever subscribes late gets the last message too"""
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: dict[str, bytes] = field(default_factory=dict)
     complete: bool = False
@@ -136,6 +138,8 @@ def _take(log: Log, item: Any, channels: dict[int, Channel], schemas: dict[int, 
             channels[item.id] = item
             log.types[item.topic] = schemas[item.schema_id].name
             log.places[item.topic] = (item.metadata.get("component", ""), item.metadata.get("port", ""))
+            if "transient_local" in item.metadata.get("offered_qos_profiles", ""):
+                log.latched.add(item.topic)
         case Message():
             log.records.append(Record(channels[item.channel_id].topic, item.log_time, item.data))
         case Attachment():

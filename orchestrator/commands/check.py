@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from dataclasses import asdict
+from typing import Any
 
 from rich.console import Console
 
@@ -31,13 +32,23 @@ def print_check(component: list[str], config: str, deadline: float, as_json: boo
     return passed
 
 
-def _subject(component: list[str], config: str, deadline: float) -> Subject:
+def json_object(config: str) -> dict[str, Any]:
+    """What `--config` says.
+
+    Raises:
+        InputError: if it is no JSON object.
+    """
     try:
         options = json.loads(config)
     except ValueError as error:
         raise InputError(f"--config is not JSON: {error}") from None
     if not isinstance(options, dict):
         raise InputError(f"--config is {config}, expected a JSON object such as '{{\"speed\": 1}}'")
+    return options
+
+
+def _subject(component: list[str], config: str, deadline: float) -> Subject:
+    options = json_object(config)
     if ":" in component[0]:
         if len(component) > 1:
             after = shlex.join(component[1:])
