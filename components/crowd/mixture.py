@@ -1,52 +1,65 @@
-"""People of different minds: several policies in one crowd, each for its share of the people."""
+"""People of different minds: several policies in one crowd, and robots as everybody sees them."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from components.crowd.policies import PolicyName
+from components.crowd.policies import PolicyName, make_policy
+from components.crowd.reactions import HIDDEN, MOVING, STILL
 from components.crowd.scene import Policy, Scene
 from components.crowd.steering import Recipe
 
 Array = NDArray[np.float64]
 
-
-@dataclass(frozen=True, kw_only=True)
-class Share:
-    """A part of the crowd with a policy of its own."""
-
-    policy: PolicyName | Recipe
-    """how these people avoid others"""
-    share: float
-    """how many of them, in proportion to the other shares"""
-
-    def __post_init__(self) -> None:
-        if not (self.share > 0 and math.isfinite(self.share)):
-            raise ValueError(f"share is {self.share}, expected a positive number")
+STANDING = np.array([1.0, 1.0, 0.0, 0.0, 1.0])
+"""a robot's row in `Scene.robots`, without its velocity"""
 
 
 class Mixture:
-    """Everybody follows the policy of the group that they belong to."""
+    """Everybody follows one of some policies."""
 
-    def __init__(self, policies: Sequence[Policy], group: NDArray[np.int64]) -> None:
+    def __init__(self, policies: Sequence[Policy], which: NDArray[np.int64]) -> None:
         """Policies, and the index of everybody's (N,)."""
-        self._parts = [(policy, np.flatnonzero(group == g)) for g, policy in enumerate(policies)]
+        self._parts = [(policy, np.flatnonzero(which == p)) for p, policy in enumerate(policies)]
 
-    def accelerate(self, scene: Scene, who: NDArray[np.int64] | None = None) -> Array:
-        """(N, 2) accelerations that everybody wants, or at least those of `who` [m/s2]."""
+    def accelerate(self, scene: Scene, sight: NDArray[np.int8]) -> Array:
+        """(N, 2) accelerations that everybody wants [m/s2].
+
+        Args:
+            scene: the old state, with all robots
+            sight: (N,) what everybody sees of the robots: MOVING, STILL or HIDDEN
+        """
+        views = {
+            MOVING: scene,
+            STILL: replace(scene, robots=scene.robots * STANDING),
+            HIDDEN: replace(scene, robots=scene.robots[:0]),
+        }
         acceleration = np.zeros((len(scene.position), 2))
         for policy, members in self._parts:
-            some = members if who is None else np.intersect1d(members, who)
-            acceleration[some] = policy.accelerate(scene, some)[some]
+            for view, seen in views.items():
+                some = members[sight[members] == view]
+                if len(some) == len(sight):
+                    return policy.accelerate(seen)
+                if len(some):
+                    acceleration[some] = policy.accelerate(seen, some)[some]
         return acceleration
 
 
-def draw_groups(rng: np.random.Generator, count: int, shares: Sequence[float]) -> NDArray[np.int64]:
-    """(count,) index of everybody's group, in random order; the sizes are as near to the shares as whole people are."""
-    edges = np.rint(np.cumsum(shares) / np.sum(shares) * count).astype(np.int64)
-    return rng.permutation(np.repeat(np.arange(len(shares)), np.diff(edges, prepend=0)))
+def mix(wanted: Sequence[PolicyName | Recipe], population: NDArray[np.int64], time_horizon: Array) -> Mixture:
+    """The policies of several populations; those who follow the same one are computed at once.
+
+    Args:
+        wanted: the policy of each population
+        population: (N,) index of everybody's population
+        time_horizon: (N,) of `orca` [s]
+    """
+    different: list[PolicyName | Recipe] = []
+    for policy in wanted:
+        if policy not in different:
+            different.append(policy)
+    which = np.array([different.index(policy) for policy in wanted])[population]
+    return Mixture([make_policy(policy, time_horizon=time_horizon) for policy in different], which)

@@ -44,8 +44,13 @@ class Orca:
     """collisions later than this are ignored: everybody's, or (N,) of each [s]"""
 
     def accelerate(self, scene: Scene, who: NDArray[np.int64] | None = None) -> Array:
-        """(N, 2) accelerations that everybody wants [m/s2]."""
+        """(N, 2) accelerations that everybody wants, or only those whose indices are in `who` [m/s2]."""
+        asked = np.ones(len(scene.position), np.bool_)
+        if who is not None:
+            asked[:] = False
+            asked[who] = True
         return orca(
+            asked,
             scene.position,
             scene.velocity,
             scene.preferred,
@@ -61,7 +66,7 @@ class Orca:
     def _reach(self, scene: Scene) -> float:
         """How far walls are looked for: whole metres, so that few grids are made."""
         fastest, largest = scene.max_speed.max(initial=0.0), scene.radius.max(initial=0.0)
-        return float(math.ceil(np.max(self.time_horizon) * fastest + largest))
+        return float(math.ceil(np.max(self.time_horizon, initial=0.0) * fastest + largest))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -198,6 +203,7 @@ def wall_half_plane(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def orca(
+    asked: NDArray[np.bool_],
     position: Array,
     velocity: Array,
     preferred: Array,
@@ -209,16 +215,18 @@ def orca(
     horizon: Array,
     dt: float,
 ) -> Array:
-    """(N, 2) accelerations to the ORCA velocities within one step [m/s2]; arguments as in `Scene`."""
+    """(N, 2) accelerations to the ORCA velocities within one step [m/s2]; other arguments as in `Scene`."""
     n, m, w = len(position), len(robots), walls.most
     cells = sort_into_cells(position, period, 0.5 * RANGE)
     vx, vy, r = velocity[cells.order, 0], velocity[cells.order, 1], radius[cells.order]
     found, px, py = np.empty(n + 1, np.int64), np.empty(n + 1), np.empty(n + 1)
     ox, oy, R = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1)
     nx, ny, b = np.empty(w + m + n), np.empty(w + m + n), np.empty(w + m + n)
-    acceleration = np.empty((n, 2))
+    acceleration = np.zeros((n, 2))
     for k in range(n):
         i = cells.order[k]
+        if not asked[i]:
+            continue
         x, y, limit, tau = cells.x[k], cells.y[k], max_speed[i], horizon[i]
         hard = 0
         begin, end = nearby(walls, x, y)

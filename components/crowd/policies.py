@@ -11,6 +11,9 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from components.crowd.orca import Orca
 from components.crowd.sampling import RandomSampling, RegularSampling
 from components.crowd.scene import Policy
@@ -49,8 +52,8 @@ def recipe(name: PolicyName) -> Recipe:
     raise ValueError(f"'{name}' is not made of costs, expected one of {', '.join(RECIPES)}")
 
 
-def make_policy(policy: PolicyName | Recipe, *, time_horizon: float) -> Policy:
-    """The policy of a name or a recipe; `time_horizon` is that of `orca` [s]."""
+def make_policy(policy: PolicyName | Recipe, *, time_horizon: float | NDArray[np.float64]) -> Policy:
+    """The policy of a name or a recipe; `time_horizon` is that of `orca`, everybody's or (N,) of each [s]."""
     if policy == "orca":
         return Orca(time_horizon=time_horizon)
     if policy == "social_force":

@@ -126,9 +126,7 @@ def people(behaviour: Mapping[str, Any], flow: str, places: NDArray[np.float64])
     return dict(behaviour) | {
         "flow": flow,
         "radius": RADIUS,
-        "preferred_speed": 1.3,
-        "preferred_speed_deviation": 0.2,
-        "preferred_speed_limits": [0.8, 1.8],
+        "preferred_speed": {"normal": {"mean": 1.3, "deviation": 0.2, "limits": [0.8, 1.8]}},
         "max_speed": 1.8,
         "max_acceleration": 5.0,
         "positions": places.tolist(),

@@ -43,6 +43,7 @@ SETUP = Setup(
     robots=(Robot(name="robot", number=1, model=TURTLEBOT, start=Pose(x=5.0, y=5.0), goal=Target(x=45.0, y=5.0)),),
 )
 POLICIES = ("orca", "social_force", "power_law")
+BELL = {"mean": 1.3, "deviation": 0.2, "limits": [0.8, 1.8]}
 
 
 def robot(x, y, vx=0.0, vy=0.0):
@@ -216,7 +217,7 @@ def test_dense_flows_overlap_by_no_more_than_contacts_give_way(policy):
 
 
 def test_whoever_is_free_walks_at_the_preferred_speed():
-    states = run(Config(positions=((1.0, 5.0),), preferred_speed_deviation=0.0), replace(SETUP, robots=()), steps=30)
+    states = run(Config(positions=((1.0, 5.0),), preferred_speed=1.3), replace(SETUP, robots=()), steps=30)
     assert states[-1].velocity == pytest.approx(np.array([(1.3, 0.0)]))
     # 5 m/s2 up to 1.3 m/s: 0.5, 1.0, 1.3, and so on.
     assert [s.velocity[0, 0] for s in states[:4]] == pytest.approx([0.0, 0.5, 1.0, 1.3])
@@ -240,10 +241,20 @@ def test_no_room_is_an_error():
         ({"count": -1}, "count is -1, expected zero or more"),
         ({"count": 3, "time_horizon": 0}, "time_horizon is 0.0, expected a positive number"),
         ({"count": 3, "radius": -0.3}, "radius is -0.3"),
-        ({"count": 3, "max_speed": 1.5}, "at most max_speed"),
-        ({"count": 3, "preferred_speed_limits": [1.8, 0.8]}, "ascending order"),
-        ({"count": 3, "preferred_speed": 2.0}, "preferred_speed is 2.0"),
-        ({"count": 3, "preferred_speed_deviation": -1}, "preferred_speed_deviation is -1.0"),
+        ({"count": 3, "radius": {"uniform": [-0.1, 0.3]}}, "radius may be -0.1, expected a positive number"),
+        ({"count": 3, "radius": {"uniform": [0.4, 0.3]}}, "ascending order"),
+        ({"count": 3, "radius": []}, "radius is an empty list"),
+        ({"count": 3, "max_speed": 1.5}, r"preferred_speed may be 1.8, expected at most max_speed \(1.5\)"),
+        ({"count": 3, "preferred_speed": {"normal": BELL | {"limits": [1.8, 0.8]}}}, "ascending order"),
+        ({"count": 3, "preferred_speed": {"normal": BELL | {"mean": 2.0}}}, "mean is 2.0"),
+        ({"count": 3, "preferred_speed": {"normal": BELL | {"deviation": -1}}}, "deviation is -1.0"),
+        ({"count": 3, "groups": [0.0]}, r"groups is \[0.0\]"),
+        ({"positions": [[1, 1], [2, 2]], "groups": [1, 1]}, "walks alone"),
+        ({"count": 3, "populations": [{"name": "a", "share": 0}]}, "share is 0.0, expected a positive number"),
+        ({"count": 3, "populations": [{"name": "a", "share": 1, "max_speed": 1.0}]}, "preferred_speed may be 1.8"),
+        ({"count": 3, "populations": [{"name": "a", "share": 1}, {"name": "a", "share": 2}]}, "'a' is there twice"),
+        ({"count": 3, "reaction": "scared"}, "reaction"),
+        ({"count": 3, "reaction": {"name": "curious", "duration": 0}}, "duration is 0.0"),
         ({"count": 3, "policy": "orka"}, "policy"),
         ({"count": 3, "flow": "3d"}, "flow"),
         ({"count": 3, "speed": 1.0}, "speed"),

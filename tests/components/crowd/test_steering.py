@@ -8,14 +8,18 @@ import pytest
 from pydantic import ValidationError
 
 from components.crowd.crowd import CrowdModel
-from components.crowd.mixture import Mixture, draw_groups
 from components.crowd.orca import Orca
 from components.crowd.policies import RECIPES, recipe
 from components.crowd.sampling import GLOBAL
 from components.crowd.social_force import SocialForce
 from components.crowd.steering import Recipe, Steering
 from crowdcosim.component import make
+from crowdcosim.message import check_finite
+from crowdcosim.setup import Setup
+from crowdcosim.world import World
 from tests.components.crowd.crowds import random_scene, scene
+
+SETUP = Setup(component="crowd", period=100_000_000, seed=1, world=World(size=(20.0, 10.0)))
 
 MINE = '''
 """People who like to walk in one direction."""
@@ -67,7 +71,8 @@ def test_a_policy_is_written_in_a_scenario(mine):
             },
         },
     )
-    assert isinstance(model._policies[0], Steering)
+    check_finite(model.reset(SETUP))
+    check_finite(model.step(()))
 
 
 @pytest.mark.parametrize(
@@ -129,22 +134,3 @@ def test_more_neighbours_than_ever_before_are_all_met():
     policy.accelerate(random_scene(0, 5))
     grown = policy.accelerate(crowd)
     assert np.array_equal(grown, policy.accelerate(crowd))
-
-
-def test_shares_of_a_crowd_follow_policies_of_their_own():
-    now = random_scene(9, 50)
-    group = draw_groups(np.random.default_rng(0), 50, [3.0, 1.0, 1.0])
-    assert np.bincount(group).tolist() == [30, 10, 10]
-    parts = [SocialForce(), Steering(recipe("rvo")), Steering(recipe("power_law"))]
-    mixed = Mixture(parts, group).accelerate(now)
-    for g, policy in enumerate(parts):
-        assert np.array_equal(mixed[group == g], policy.accelerate(now)[group == g])
-
-
-def test_shares_are_written_in_a_scenario():
-    model = make(CrowdModel, {"count": 10, "policy": [{"policy": "rvo", "share": 1}, {"policy": "orca", "share": 2}]})
-    assert len(model._policies) == 2
-    with pytest.raises(ValidationError, match="share is 0.0, expected a positive number"):
-        make(CrowdModel, {"count": 3, "policy": [{"policy": "rvo", "share": 0}]})
-    with pytest.raises(ValidationError, match="policy is empty"):
-        make(CrowdModel, {"count": 3, "policy": []})
