@@ -12,7 +12,7 @@ from orchestrator.problems import near_miss
 from orchestrator.scenario import Scenario
 
 Command = Twist | Sequence[float]
-"""A velocity in the robot's frame: a `Twist`, or forward speed [m/s] and turn rate [rad/s]."""
+"""A velocity in the robot's frame: a `Twist`, or forward speed, (speed to the left [m/s],) and turn rate [rad/s]."""
 
 
 def twists(robots: Sequence[str], command: Command | Mapping[str, Command] | None) -> dict[str, Twist]:
@@ -61,13 +61,14 @@ def _twist(robot: str, command: Command) -> Twist:
         twist = command
     else:
         try:
-            speed, turn_rate = numbers = [float(number) for number in command]
-        except (TypeError, ValueError):
+            numbers = [float(number) for number in command]
+            speed, left, turn_rate = numbers if len(numbers) == 3 else (numbers[0], 0.0, *numbers[1:])
+        except (TypeError, ValueError, IndexError):
             raise InputError(
                 f"the command for {robot} is {command!r}, "
-                "expected a Twist, or forward speed [m/s] and turn rate [rad/s]"
+                "expected a Twist, or forward speed [m/s], (speed to the left [m/s],) turn rate [rad/s]"
             ) from None
-        twist = Twist(linear=Vector3(x=speed), angular=Vector3(z=turn_rate))
+        twist = Twist(linear=Vector3(x=speed, y=left), angular=Vector3(z=turn_rate))
     if not all(map(math.isfinite, numbers)):
         raise InputError(f"the command for {robot} is {command!r}, expected finite numbers")
     return twist

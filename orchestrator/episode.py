@@ -179,6 +179,12 @@ class Episode:
         """End the log where the run has failed; it keeps every tick that was complete."""
         self._close_log({"reason": "failed", "error": str(error) or type(error).__name__})
 
+    def discard(self) -> None:
+        """End an episode in which nothing has happened; it leaves no log."""
+        self._close_log({"reason": "stopped"})
+        if self._log:
+            self._log.unlink()
+
     def _close_log(self, outcome: dict[str, str]) -> str | None:
         recorder, self._recorder = self._recorder, None
         return recorder.close({"outcome": outcome | {"ticks": str(self.tick)}}) if recorder else None

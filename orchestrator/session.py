@@ -13,13 +13,13 @@ from types import TracebackType
 from typing import Any, Literal, Self
 
 from components.controllers.commanded import Commanded
-from crowdcosim.messages import Twist
+from crowdcosim.messages import Goal, Twist
 from orchestrator.commanding import Command, robots_to_command, take_over, twists
 from orchestrator.episode import Episode, Pace, Result, reference_of, reference_run
 from orchestrator.errors import InputError
 from orchestrator.recording import Reference
 from orchestrator.scenario import load
-from orchestrator.simulation import Simulation
+from orchestrator.simulation import Simulation, goal_of
 from orchestrator.view import View, Viewer
 
 
@@ -92,7 +92,7 @@ class Session:
         if self._closed:
             raise InputError("the session is closed: open another")
         self._leave()
-        own = [f"host={self._host}", *_settings(settings)]
+        own = [f"host={self._host}", *as_list(settings)]
         own += [f"{key}={value}" for key, value in (("seed", seed), ("dt", dt)) if value is not None]
         loaded = load(scenario, own)
         self.commanded = robots_to_command(loaded, [commanded] if isinstance(commanded, str) else list(commanded))
@@ -157,6 +157,11 @@ class Session:
         return self.view
 
     @property
+    def goals(self) -> Mapping[str, Goal]:
+        """Robot -> its goal."""
+        return {robot.name: goal_of(robot) for robot in self.scenario.robots}
+
+    @property
     def over(self) -> bool:
         """True when the goal is reached, the time is up, or whatever else ends the scenario."""
         return self._episode is None
@@ -174,7 +179,7 @@ class Session:
             if episode.tick:
                 self._finish(episode)
             else:
-                episode.fail(InputError("stopped before the first step"))
+                episode.discard()
         except BaseException as error:
             self._fail(error)
             raise
@@ -278,7 +283,8 @@ class Session:
             self._simulation = None
 
 
-def _settings(settings: Mapping[str, Any] | Sequence[str]) -> list[str]:
+def as_list(settings: Mapping[str, Any] | Sequence[str]) -> list[str]:
+    """Settings as `--set` takes them, `key.path=value`."""
     if isinstance(settings, Mapping):
         return [f"{key}={json.dumps(value)}" for key, value in settings.items()]
     return [settings] if isinstance(settings, str) else list(settings)

@@ -1,0 +1,1 @@
+"""The Gymnasium environment on top of a session; `crowdcosim.gym` registers it."""
