@@ -10,6 +10,7 @@ import sys
 from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from crowdcosim.component import Component, ComponentError
 
@@ -20,21 +21,31 @@ def load_class(use: str) -> type[Component]:
     Raises:
         ComponentError: if there is no such file, module or class, if importing it fails, or it is no component.
     """
-    source, separator, name = use.rpartition(":")
-    if not separator or not source or not name:
-        raise ComponentError(f"'{use}' is not a component: expected 'package.module:Class' or './file.py:Class'")
-    module = _from_file(Path(source)) if source.endswith(".py") else _from_name(source)
-    cls = getattr(module, name, None)
-    if cls is None:
-        classes = [n for n, c in vars(module).items() if inspect.isclass(c) and c.__module__ == module.__name__]
-        near = get_close_matches(name, classes, 1)
-        hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(classes) or 'no classes'}"
-        raise ComponentError(f"'{source}' has no class '{name}': {hint}")
+    cls = load_attribute(use)
     if not (inspect.isclass(cls) and issubclass(cls, Component)):
         raise ComponentError(
             f"'{use}' is not a subclass of crowdcosim.Component (Controller, Sensor, Mover, Evaluator)"
         )
     return cls
+
+
+def load_attribute(use: str) -> Any:
+    """What `use` names: `package.module:name`, or `path/to/file.py:name`.
+
+    Raises:
+        ComponentError: if there is no such file, module or name, or if importing it fails.
+    """
+    source, separator, name = use.rpartition(":")
+    if not separator or not source or not name:
+        raise ComponentError(f"'{use}' is not a component: expected 'package.module:Class' or './file.py:Class'")
+    module = _from_file(Path(source)) if source.endswith(".py") else _from_name(source)
+    found = getattr(module, name, None)
+    if found is None:
+        classes = [n for n, c in vars(module).items() if inspect.isclass(c) and c.__module__ == module.__name__]
+        near = get_close_matches(name, classes, 1)
+        hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(classes) or 'no classes'}"
+        raise ComponentError(f"'{source}' has no class '{name}': {hint}")
+    return found
 
 
 def _from_name(name: str) -> ModuleType:

@@ -53,7 +53,7 @@ class Flow:
         speed, rate, stayed = step.people.speed, step.people.turn_rate, step.people.stayed
         self.speed.add(float(np.add.reduce(speed)), len(speed))
         self.turn_rate.add(float(np.add.reduce(rate)), int(np.count_nonzero(stayed)))
-        near = np.flatnonzero(step.after.distance <= NEIGHBOUR_RANGE)
+        near = np.flatnonzero(step.after.around.distance <= NEIGHBOUR_RANGE)
         if near.size:
             self.speed_near.add(float(np.add.reduce(speed[near])), near.size)
             self.turn_rate_near.add(float(np.add.reduce(rate[near])), int(np.count_nonzero(stayed[near])))

@@ -22,7 +22,7 @@ class Proximity:
 
     def add(self, step: Step) -> None:
         # The trapezoidal rule: the result depends on the step's length to second order only.
-        self.distance += 0.5 * (min(step.before.closest, RANGE) + min(step.after.closest, RANGE))
+        self.distance += 0.5 * (min(step.before.around.closest, RANGE) + min(step.after.around.closest, RANGE))
 
 
 @metric(symbol="Prox.", unit="1", direction="none", needs=(people, duration))

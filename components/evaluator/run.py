@@ -23,6 +23,8 @@ class Run:
     """T, until it reached its goal, or until the end of the episode [s]"""
     arrived: bool
     """True if it reached its goal before the episode ended"""
+    goal_distance: float
+    """what was left at the end, as the crow flies: to the goal's line, or to its disc [m]"""
     alone: bool
     """True in the reference run, which has no people"""
     people: int

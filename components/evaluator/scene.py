@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from components.evaluator.look import Look, look
 from crowdcosim.messages import Contacts, Crowd, RobotState
 from crowdcosim.world import World
 
@@ -21,15 +22,12 @@ class View:
     crowd: Crowd
 
     @cached_property
-    def distance(self) -> NDArray[np.float64]:
-        """(N,) from the robot's centre to each person's, across the seam where that is shorter [m]."""
-        d = self.world.displacement(self.robot.position, self.crowd.position)
-        return np.hypot(d[:, 0], d[:, 1])
-
-    @cached_property
-    def closest(self) -> float:
-        """Distance to the nearest person, centre to centre, infinite if there is nobody [m]."""
-        return float(np.minimum.reduce(self.distance, initial=np.inf))
+    def around(self) -> Look:
+        """The people, as this robot has them around it."""
+        (x, y), (vx, vy) = self.robot.position.tolist(), self.robot.velocity.tolist()
+        crowd = self.crowd
+        place = (x, y, vx, vy, self.robot.radius)
+        return look(place, crowd.position, crowd.velocity, crowd.heading, crowd.radius, self.world.period)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,6 +75,11 @@ class Step:
     people: CrowdStep
     contacts: Contacts | None
     """None if nobody reports this robot's contacts"""
+
+    @property
+    def dt(self) -> float:
+        """Its length [s]."""
+        return self.people.dt
 
 
 def turn(before: NDArray[np.float64], after: NDArray[np.float64]) -> NDArray[np.float64]:

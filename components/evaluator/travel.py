@@ -45,12 +45,6 @@ def body_velocity(robot: RobotState) -> tuple[float, float]:
     return x * c + y * s, y * c - x * s
 
 
-@metric(symbol="S", unit="1", direction="higher")
-def success(run: Run) -> float:
-    """1 if the robot reached its goal in time, else 0."""
-    return float(run.arrived)
-
-
 @metric(symbol="T", unit="s", direction="lower")
 def time(run: Run) -> float:
     """Time to the goal.

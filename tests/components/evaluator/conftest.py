@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from components.evaluator.paper import PaperEvaluator
+from components.evaluator.metrics import GROUPS
+from components.evaluator.paper import Config, PaperEvaluator
 from crowdcosim import Setup
 from crowdcosim.messages import Contacts, Crowd, Metrics, RobotState
 from crowdcosim.robots import Pose, Robot, RobotModel, Target
@@ -66,7 +67,7 @@ class Scene:
         )
 
     def contacts(self, *touches: Mapping[str, Any], robot: str = "robot") -> Contacts:
-        """Each touch: `duration`, `energy`, `kind`, as far as it is not a person's first touch without energy."""
+        """Each touch: `duration`, `energy`, `kind`, ..., as far as it is not a person's first touch without energy."""
         n = len(touches)
         return Contacts(
             robot=robot,
@@ -78,8 +79,8 @@ class Scene:
             position=np.zeros((n, 2)),
             normal=np.zeros((n, 2)),
             relative_velocity=np.zeros((n, 2)),
-            approach_speed=np.zeros(n),
-            robot_closing_speed=np.zeros(n),
+            approach_speed=[t.get("approach_speed", 0.0) for t in touches],
+            robot_closing_speed=[t.get("robot_closing_speed", 0.0) for t in touches],
             reflected_mass=np.zeros(n),
             energy=[t.get("energy", 0.0) for t in touches],
             duration=[t.get("duration", 0.0) for t in touches],
@@ -135,8 +136,10 @@ class Scene:
             for k in range(steps + 1)
         ]
 
-    def metrics(self, frames: Iterable[Frame], setup: Setup | None = None, **options: Any) -> Metrics:
-        evaluator = PaperEvaluator()
+    def metrics(
+        self, frames: Iterable[Frame], setup: Setup | None = None, metrics: Iterable[str] = GROUPS, **options: Any
+    ) -> Metrics:
+        evaluator = PaperEvaluator(config=Config(metrics=tuple(metrics)))
         evaluator.reset(setup or self.setup(**options))
         for frame in frames:
             evaluator.step(*frame)

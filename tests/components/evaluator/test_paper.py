@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import tracemalloc
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from components.evaluator.metric import metric
-from components.evaluator.metrics import METRICS, PAPER
-from components.evaluator.paper import PaperEvaluator
+from components.evaluator.metrics import GROUPS, METRICS, PAPER, chosen
+from components.evaluator.paper import Config, PaperEvaluator
 from components.evaluator.run import Run
 from crowdcosim.cdr import decode, encode
 from crowdcosim.component import ports_of
@@ -71,7 +72,7 @@ def again(part: Any) -> Any:
 
 def test_a_second_episode_starts_from_nothing(scene: Any) -> None:
     frames, setup = random_frames(scene, 50), scene.setup()
-    evaluator = PaperEvaluator()
+    evaluator = PaperEvaluator(config=Config())
     verdicts = []
     for _ in range(2):
         evaluator.reset(setup)
@@ -112,7 +113,7 @@ def test_the_order_in_which_messages_come_does_not_matter(scene: Any) -> None:
 
 
 def test_a_robot_without_a_state_is_named(scene: Any) -> None:
-    evaluator = PaperEvaluator()
+    evaluator = PaperEvaluator(config=Config())
     evaluator.reset(scene.setup(names=("robot", "lost")))
     with pytest.raises(ValueError, match="no state of robot 'lost' among those of robot"):
         evaluator.step(scene.crowd(), (scene.robot((0, 0)),), ())
@@ -120,12 +121,12 @@ def test_a_robot_without_a_state_is_named(scene: Any) -> None:
 
 def test_two_robots_of_one_name_are_refused(scene: Any) -> None:
     with pytest.raises(ValueError, match="called a, a, expected a different name"):
-        PaperEvaluator().reset(scene.setup(names=("a", "a")))
+        PaperEvaluator(config=Config()).reset(scene.setup(names=("a", "a")))
 
 
 def test_memory_does_not_grow_with_the_length_of_the_run(scene: Any) -> None:
     frames = random_frames(scene, 20, people=5)
-    evaluator = PaperEvaluator()
+    evaluator = PaperEvaluator(config=Config())
     evaluator.reset(scene.setup())
     tracemalloc.start()
     used = []
@@ -157,7 +158,7 @@ def test_a_metric_says_which_sums_it_needs_by_the_types_of_its_parameters() -> N
         """Steps taken."""
         return run.steps
 
-    run = Run(steps=3, time=0.3, arrived=True, alone=False, people=0, reference=None)
+    run = Run(steps=3, time=0.3, arrived=True, goal_distance=0.0, alone=False, people=0, reference=None)
     assert (steps.name, steps.description, steps(run, {})) == ("steps", "Steps taken.", 3)
 
 
@@ -176,3 +177,56 @@ def test_a_metric_without_a_docstring_is_refused() -> None:
         @metric(symbol="K", unit="1", direction="none")
         def silent(run: Run) -> float:
             return run.time
+
+
+def test_a_user_adds_a_metric_with_one_file(scene: Any, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(
+        '''
+from components.evaluator.metric import metric
+from components.evaluator.scene import Step
+
+
+class Sums:
+    def __init__(self) -> None:
+        self.farthest = 0.0
+
+    def add(self, step: Step) -> None:
+        self.farthest = max(self.farthest, abs(step.after.robot.position[1] - 5.0))
+
+
+@metric(symbol="aside", unit="m", direction="lower")
+def aside(sums: Sums) -> float:
+    """Farthest from the corridor's middle."""
+    return sums.farthest
+'''
+    )
+    frames = [(scene.crowd(), (scene.robot((0.1 * k, 5.0 + 0.2 * (k == 3))),), ()) for k in range(6)]
+    assert scene.judge(frames, metrics=[f"{tmp_path}/mine.py:aside"]) == {"aside": pytest.approx(0.2)}
+
+
+def test_metrics_are_chosen_by_group_and_name_without_twins() -> None:
+    assert [m.name for m in chosen(["proximity", "danger", "proximity"])] == ["proximity", "danger"]
+    assert chosen(["paper", "proximity"]) == GROUPS["paper"]
+    assert set(chosen(Config().metrics)) == set(METRICS) - set(GROUPS["authors"])
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (("proximty",), r"metrics has 'proximty': did you mean 'proximity'\?"),
+        ((), "metrics is empty"),
+        (("./nowhere.py:mine",), "metrics has './nowhere.py:mine': there is no file"),
+        (("components.evaluator.metrics:GROUPS",), "it is no metric"),
+    ],
+)
+def test_metrics_that_are_not_there_are_refused(names: tuple[str, ...], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Config(metrics=names)
+
+
+def test_a_ratio_may_be_asked_for_alone(scene: Any) -> None:
+    frames = scene.drive(50, crowd=lambda t: scene.crowd())
+    alone = scene.judge(frames, metrics=["time_ratio"], alone=True, goal=4.95)
+    slow = scene.drive(100, speed=0.5, crowd=lambda t: scene.crowd([(t, 9.0)]))
+    found = scene.judge(slow, metrics=["time_ratio"], goal=4.95, reference={"robot": alone})
+    assert found == {"time_ratio": pytest.approx(0.5, rel=0.02)}  # arrivals are known to one step of 50
