@@ -32,12 +32,24 @@ app = typer.Typer(
 
 fmu = typer.Typer(help="Wheel motors as FMUs: build ours, look into yours.", no_args_is_help=True)
 app.add_typer(fmu, name="fmu")
+new = typer.Typer(help="Files to start from: a controller of your own.", no_args_is_help=True)
+app.add_typer(new, name="new")
 
 Json = Annotated[bool, typer.Option("--json", help="Print the result as one JSON object.")]
 Scenario = Annotated[str, typer.Argument(help="Name of a shipped scenario, or path of a YAML file.")]
 Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a value, such as `crowd.config.count=200`. Repeatable."),
+]
+Controllers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--controller",
+        "-c",
+        metavar="[ROBOT=]CONTROLLER",
+        help="Drive with another one: a shipped one's name, `./mine.py:Mine`, or with options, `./tuned.yaml`. "
+        "With several robots `left=dwa`, repeatable.",
+    ),
 ]
 LogFile = Annotated[Path, typer.Argument(metavar="RUN.mcap", help="The log of a run, or its folder.")]
 
@@ -72,6 +84,7 @@ def _fail(error: Exception, code: int, as_json: bool) -> None:
 @app.command()
 def run(
     scenario: Scenario = "corridor",
+    controllers: Controllers = None,
     settings: Settings = None,
     seed: Annotated[int | None, typer.Option(help="Replace the scenario's seed.")] = None,
     host: Annotated[str | None, typer.Option(help="Where all Python components live: `process` or `inline`.")] = None,
@@ -92,7 +105,7 @@ def run(
 ) -> None:
     """Run one episode: a table of metrics, an MCAP log and a report.
 
-    Example: `crowdcosim run corridor --set crowd.config.count=200 --seed 7`
+    Example: `crowdcosim run corridor --controller ./mine.py:Mine --set crowd.config.count=200 --seed 7`
     """
     began = time.monotonic()
     with _reporting(as_json), _terminable():
@@ -106,6 +119,7 @@ def run(
 
             run_scenario(
                 scenario,
+                controllers=controllers or [],
                 settings=_with_shortcuts(settings, seed, host),
                 out=out or _new_folder(scenario),
                 real_time=realtime,
@@ -122,7 +136,9 @@ def run(
 
 
 @app.command()
-def validate(scenario: Scenario, settings: Settings = None, as_json: Json = False) -> None:
+def validate(
+    scenario: Scenario, controllers: Controllers = None, settings: Settings = None, as_json: Json = False
+) -> None:
     """Check a scenario without running it: keys, types, components, wiring.
 
     Example: `crowdcosim validate ./my_scenario.yaml`
@@ -130,7 +146,7 @@ def validate(scenario: Scenario, settings: Settings = None, as_json: Json = Fals
     with _reporting(as_json):
         from orchestrator.commands.validate import print_validation
 
-        print_validation(scenario, settings or [], as_json)
+        print_validation(scenario, controllers or [], settings or [], as_json)
 
 
 @app.command()
@@ -366,6 +382,22 @@ def export(
         from orchestrator.commands.export import print_export
 
         print_export(_log_file(log), form, out, as_json)
+
+
+@new.command("controller")
+def new_controller(
+    name: Annotated[str, typer.Argument(help="Its name, such as `polite_driver`.")],
+    out: Annotated[Path, typer.Option(help="Folder for the three files.")] = Path("."),
+    as_json: Json = False,
+) -> None:
+    """Write a controller that works, a scenario that uses it, and a test that passes: a place to start from.
+
+    Example: `crowdcosim new controller polite_driver`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.new import print_new_controller
+
+        print_new_controller(name, out, as_json)
 
 
 @fmu.command("build")

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from crowdcosim.component import ComponentError
 from orchestrator.errors import InputError
-from orchestrator.problems import Place, ScenarioError
+from orchestrator.problems import Place, ScenarioError, near_miss
 from orchestrator.registry import component_class, import_string
+from orchestrator.scenario import load
 from orchestrator.yaml_tree import parse
 
 
@@ -95,3 +97,27 @@ def controller_choices(text: str) -> tuple[ControllerChoice, ...]:
                 "put one of them into a YAML file of its own (use: ..., config: ...)"
             )
     return choices
+
+
+def controller_settings(scenario: str | Path, texts: Sequence[str]) -> list[str]:
+    """`--set` values that put controllers into a scenario: `CONTROLLER` for the only robot, or `ROBOT=CONTROLLER`.
+
+    Raises:
+        InputError: if there is no such robot or controller, or it is not clear which robot is meant.
+    """
+    if not texts:
+        return []
+    robots = [robot.name for robot in load(scenario).robots]
+    chosen: dict[str, ControllerChoice] = {}
+    for text in texts:
+        named = re.fullmatch(r"([A-Za-z][A-Za-z0-9_-]*)=(.*)", text)
+        robot, controller = named.groups() if named else (robots[0] if len(robots) == 1 else "", text)
+        if not robot:
+            raise InputError(f"--controller {text}: whose? Expected ROBOT={text} with one of {', '.join(robots)}")
+        if robot not in robots:
+            known = f"{near_miss(robot, robots)}; robots: {', '.join(robots)}"
+            raise InputError(f"--controller {text}: there is no robot '{robot}'{known}")
+        if robot in chosen:
+            raise InputError(f"--controller is given twice for {robot}, expected once")
+        chosen[robot] = controller_choice(controller)
+    return [setting for robot, choice in chosen.items() for setting in choice.settings([robot])]

@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from orchestrator.commands.tables import metrics_table
+from orchestrator.controller_choice import controller_settings
 from orchestrator.episode import Result, run_episode
 from orchestrator.errors import InputError, RunError
 from orchestrator.processes import Processes
@@ -21,6 +22,7 @@ from orchestrator.simulation import Simulation
 def run_scenario(
     scenario: str,
     *,
+    controllers: list[str],
     settings: list[str],
     out: Path,
     real_time: float | None,
@@ -34,7 +36,7 @@ def run_scenario(
     """Run one episode and print what became of it."""
     if real_time is not None and not real_time > 0:
         raise InputError(f"--realtime is {real_time:g}, expected a positive number of simulated seconds per second")
-    loaded = load(scenario, settings)
+    loaded = load(scenario, [*controller_settings(scenario, controllers), *settings])
     if record:
         _claim(out)
     console = Console(stderr=True, quiet=quiet)

@@ -8,14 +8,15 @@ from rich.console import Console
 
 from crowdcosim.component import ports_of
 from crowdcosim.loading import load_class
+from orchestrator.controller_choice import controller_settings
 from orchestrator.scenario import Scenario, load
 from orchestrator.simulation import connected
 from orchestrator.wiring import Graph, Member
 
 
-def print_validation(scenario: str, settings: list[str], as_json: bool) -> None:
+def print_validation(scenario: str, controllers: list[str], settings: list[str], as_json: bool) -> None:
     """Print how the components of a scenario are connected, or fail with what is wrong."""
-    loaded = load(scenario, settings)
+    loaded = load(scenario, [*controller_settings(scenario, controllers), *settings])
     unknown = [spec.name for spec in loaded.components if spec.use is None]
     graph = None if unknown else wire(loaded)
     if as_json:

@@ -1,0 +1,1 @@
+"""Starting files that `crowdcosim new` writes."""
