@@ -189,6 +189,7 @@ def place(
     *,
     offset: Array | None = None,
     parties: NDArray[np.int64] | None = None,
+    bounds: Array | None = None,
 ) -> Array:
     """(N, 2) random centres of discs that overlap neither each other, nor robots, nor what stops people [m].
 
@@ -199,6 +200,7 @@ def place(
         robots: (M, 3) x, y and radius of the robots at their start [m]
         offset: (N, 2) from the middle of the party that somebody belongs to [m]; none
         parties: (P,) how many people, in their order, are placed together; everybody alone
+        bounds: (2, 2) lower left and upper right corner of the part of the world that is wanted [m]; all of it
 
     Raises:
         ValueError: if there is no room.
@@ -208,15 +210,19 @@ def place(
     parties = np.ones(count, np.int64) if parties is None else parties
     extent = np.asarray(world.size, np.float64)
     margin = np.where(world.period > 0, 0.0, radius.min(initial=np.inf) if count else 0.0)
+    low, high = (np.zeros(2), extent) if bounds is None else bounds
+    low, high = np.maximum(low, margin), np.minimum(high, extent - margin)
     floor = _Floor(radius, offset, parties, world, robots, whole=True)
-    room = bool((extent > 2 * margin).all())
+    room = bool((high >= low).all())
     while room and floor.count < count:
-        room = floor.add(margin + rng.random((1024, 2)) * (extent - 2 * margin), ATTEMPTS)
+        room = floor.add(low + rng.random((1024, 2)) * (high - low), ATTEMPTS)
     if not room:
-        share = math.pi * (radius**2).sum() / (world.size[0] * world.size[1])
+        size = extent if bounds is None else bounds[1] - bounds[0]
+        share = math.pi * (radius**2).sum() / max(float(np.prod(size)), 1e-9)
         raise ValueError(
-            f"no room for person {floor.count + 1} of {count} with radius {radius[floor.count]:g} m in a world of "
-            f"{world.size[0]:g} x {world.size[1]:g} m: all would take up {share:.0%} of it, and random placing stops "
+            f"no room for person {floor.count + 1} of {count} with radius {radius[floor.count]:g} m in "
+            f"{'a world' if bounds is None else 'an area'} of {size[0]:g} x {size[1]:g} m: all would take up "
+            f"{share:.0%} of it, and random placing stops "
             "at about 55%, less what walls, obstacles and robots take; lower `count` or `radius`, or give `positions`"
         )
     return floor.placed
