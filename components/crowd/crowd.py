@@ -61,8 +61,8 @@ class Config(Traits):
         super().__post_init__()
         given = [name for name in ("count", "positions", "journeys") if getattr(self, name) not in (None, ())]
         if len(given) != 1:
-            found = " and ".join(given) if given else "none"
-            raise ValueError(f"of count, positions and journeys {found} given, expected one of them")
+            found = " and ".join(given) if given else "none of count, positions and journeys"
+            raise ValueError(f"{found} given, expected one of count, positions and journeys")
         for i, journey in enumerate(self.journeys):
             for name in (journey.start, *(stop.area for stop in journey.stops)):
                 if name not in self.areas:

@@ -236,8 +236,8 @@ def test_no_room_is_an_error():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({}, "neither of count and positions given"),
-        ({"count": 3, "positions": [[1, 1]]}, "both of count and positions given"),
+        ({}, "none of count, positions and journeys given"),
+        ({"count": 3, "positions": [[1, 1]]}, "count and positions given"),
         ({"count": -1}, "count is -1, expected zero or more"),
         ({"count": 3, "time_horizon": 0}, "time_horizon is 0.0, expected a positive number"),
         ({"count": 3, "radius": -0.3}, "radius is -0.3"),
