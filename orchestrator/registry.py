@@ -27,7 +27,10 @@ SHIPPED: dict[Family, dict[str, str]] = {
         "baseline": "components.controllers.baseline:Baseline",
         "dwa": "components.controllers.dwa:DWA",
         "mpc": "components.controllers.mpc:MPC",
+        "mppi": "components.controllers.mppi:MPPI",
         "rvo": "components.controllers.rvo:RVO",
+        "social_force": "components.controllers.social_force:SocialForce",
+        "ttc": "components.controllers.ttc:TTC",
     },
     "evaluator": {"paper": "components.evaluator.paper:PaperEvaluator"},
 }

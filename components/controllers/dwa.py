@@ -30,9 +30,10 @@ from numpy.typing import NDArray
 
 from components.controllers.arc import clearance, obstacles_near
 from components.controllers.ego import Ego, Way, command, ego_of, way_to
+from components.controllers.sight import PeopleOrScan, Sight
 from components.controllers.surroundings import Discs, discs_of, frozen
 from crowdcosim import Controller, Setup
-from crowdcosim.messages import Crowd, Goal, Odometry, RobotState, Twist
+from crowdcosim.messages import Crowd, Detections, Goal, LaserScan, Odometry, RobotState, Twist
 
 Array = NDArray[np.float64]
 
@@ -46,6 +47,10 @@ SPIN = 1.0
 class Config:
     """Options of the dynamic window approach."""
 
+    people_from: PeopleOrScan = "truth"
+    """where the robot knows obstacles from"""
+    mount: str | None = None
+    """of `scan`: the mount on the robot that the scanner sits on; None: the base's centre, facing ahead"""
     heading: float = 0.8
     """alpha, weight of the angle to the goal"""
     clearance: float = 0.1
@@ -123,8 +128,9 @@ class DWA(Controller):
     def reset(self, setup: Setup) -> None:
         """Take the robot's limits and the walls, and load the kernels."""
         config, model = self._config, setup.own_robot.model
-        self._own = setup.own_robot.name
-        self._walls = frozen(setup.world.segments)
+        self._sight = Sight(config.people_from, setup, config.mount)
+        # A scan shows walls too.
+        self._walls = frozen(setup.world.segments if config.people_from != "scan" else np.empty((0, 2, 2)))
         self._period = frozen(setup.world.period)
         self._search = Search(
             heading=config.heading,
@@ -142,16 +148,25 @@ class DWA(Controller):
             max_angular_acceleration=model.max_angular_acceleration,
         )
         self._side = 0.0
-        nobody = discs_of(Crowd(), (), self._own)
+        nobody = discs_of(Crowd(), (), "")
         best_velocity(Ego(0.0, 0.0, 0.0, 0.0, 0.0), Way(1.0, 0.0, 0.0), nobody, self._walls, self._period, self._search)
 
-    def step(self, odometry: Odometry, goal: Goal, crowd: Crowd, others: tuple[RobotState, ...]) -> Twist:
+    def step(
+        self,
+        odometry: Odometry,
+        goal: Goal,
+        crowd: Crowd | None = None,
+        others: tuple[RobotState, ...] = (),
+        detections: Detections | None = None,
+        scan: LaserScan | None = None,
+    ) -> Twist:
         """The best admissible velocity of the window; a turn on the spot where there is none; rest at the goal."""
         ego = ego_of(odometry)
         way = way_to(goal, ego)
+        discs = self._sight.discs(ego, odometry.header, crowd, others, detections, scan)
         if way is None:
             return command(0.0, 0.0)
-        choice = best_velocity(ego, way, discs_of(crowd, others, self._own), self._walls, self._period, self._search)
+        choice = best_velocity(ego, way, discs, self._walls, self._period, self._search)
         return command(choice.speed, self._turn_rate(choice))
 
     def _turn_rate(self, choice: Choice) -> float:

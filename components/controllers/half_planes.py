@@ -119,3 +119,46 @@ def _least_wrong(planes: Array, hard: int, begin: int, max_speed: float, x: floa
             x, y = new_x, new_y
         level = nx * x + ny * y - b
     return x, y
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def escape(
+    x: float, y: float, vx: float, vy: float, contact: float, horizon: float, dt: float
+) -> tuple[float, float, float, float]:
+    """The least change u of the relative velocity that avoids the other within the horizon, and the normal n there.
+
+    Args:
+        x: from the robot to the other [m].
+        y: [m]
+        vx: velocity of the robot relative to the other [m/s].
+        vy: [m/s]
+        contact: sum of the radii [m].
+        horizon: tau [s].
+        dt: within which to part where they already touch [s].
+
+    Returns:
+        u_x, u_y [m/s], n_x, n_y.
+    """
+    square = x * x + y * y
+    apart = square > contact * contact
+    tau = horizon if apart else dt
+    wx, wy = vx - x / tau, vy - y / tau
+    inward = wx * x + wy * y
+    length = math.hypot(wx, wy)
+    if apart and (inward >= 0.0 or inward * inward <= contact * contact * length * length):
+        # Onto the nearer leg of the cone, whose direction is the line of sight turned until it grazes the other.
+        leg = math.sqrt(square - contact * contact)
+        side = 1.0 if x * wy - y * wx > 0.0 else -1.0
+        dx, dy = (x * leg - side * y * contact) / square, (y * leg + side * x * contact) / square
+        nx, ny = -side * dy, side * dx
+        out = -(vx * nx + vy * ny)
+    else:
+        # Onto the circle that cuts the cone off.
+        if length > 0.0:
+            nx, ny = wx / length, wy / length
+        elif square > 0.0:
+            nx, ny = -x / math.sqrt(square), -y / math.sqrt(square)
+        else:
+            nx, ny = -1.0, 0.0
+        out = contact / tau - length
+    return out * nx, out * ny, nx, ny

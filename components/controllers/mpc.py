@@ -1,7 +1,7 @@
 """Model predictive control: drive the beginning of the best plan for the next 4 s, then plan again.
 
 The plan minimises its lag behind and offset from a reference that moves straight at the goal at the robot's top speed,
-effort, and soft penalties for coming near to people, who are taken to walk on at constant velocity. The programme and
+effort, and soft penalties for coming near to people, where they are predicted (`prediction.py`). The programme and
 its solvers are in `optimal_control.py`, where the search starts in `starting_plans.py`.
 
 Walls along the edges of the world are hard bounds of the plan. Other walls are soft half-planes, one per stage for each
@@ -12,25 +12,29 @@ the further behind them, so that no plan leads through a wall. Where no solver f
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from components.controllers.differential import limits_of
 from components.controllers.ego import Ego, Way, command, ego_of, way_to
-from components.controllers.optimal_control import OMEGA, THETA, Limits, OptimalControl, Shape, V, Weights, X, Y
+from components.controllers.optimal_control import OMEGA, THETA, OptimalControl, Shape, V, Weights, X, Y
+from components.controllers.prediction import Horizon, Prediction, Predictor, Tracks
+from components.controllers.sight import People, Sight
 from components.controllers.starting_plans import (
     Scales,
     best_start,
+    carry_on,
     choose_discs,
     choose_planes,
-    discs_near,
+    negligible_gap,
 )
-from components.controllers.surroundings import discs_of
 from crowdcosim import Controller, Setup
 from crowdcosim.messages import (
     Crowd,
+    Detections,
     Goal,
     Header,
     Odometry,
@@ -61,6 +65,10 @@ HOPELESS = 1e9
 class Config:
     """Options of model predictive control."""
 
+    people_from: People = "truth"
+    """where the robot knows people from"""
+    prediction: Prediction = field(default_factory=Prediction)
+    """how people are expected to walk"""
     margin: float = 0.1
     """distance from people below which a plan is charged more than the proximity [m]"""
     proximity: float = 4.0
@@ -97,7 +105,7 @@ class Decision(NamedTuple):
 
 
 class MPC(Controller):
-    """Plans a few seconds ahead among people who walk on at constant velocity."""
+    """Plans a few seconds ahead among people who are predicted."""
 
     def __init__(self, config: Config) -> None:
         self._config = config
@@ -113,19 +121,12 @@ class MPC(Controller):
             raise ValueError(
                 "the robot cannot turn, expected max_angular_velocity and max_angular_acceleration above 0"
             )
-        self._own = setup.own_robot.name
+        self._sight, self._predictor = Sight(config.people_from, setup), Predictor(config.prediction, setup)
         self._dt = setup.dt
-        self._period = setup.world.period
         self._body = model.radius + config.margin
         self._free, self._walls = free_box(setup.world, model.radius + WALL_MARGIN)
         shape = Shape(config.stages, config.stage, config.people, min(WALLS, len(self._walls)))
-        limits = Limits(
-            model.min_speed,
-            model.max_speed,
-            model.max_acceleration,
-            model.max_angular_velocity,
-            model.max_angular_acceleration,
-        )
+        limits = limits_of(model)
         weights = Weights(proximity=config.proximity, steepness=config.steepness)
         self._control = OptimalControl(shape, limits, weights)
         self._scales = Scales(
@@ -138,13 +139,24 @@ class MPC(Controller):
             limits=limits,
             weights=weights,
         )
+        self._horizon = Horizon(
+            shape.stages, shape.dt, model.max_speed, self._body + negligible_gap(weights), model.radius
+        )
         self._times = shape.dt * np.arange(shape.stages + 1)
         self._later = [round(t * 1e9) for t in self._times.tolist()]
-        self._plan = np.zeros((shape.stages + 1, 7))
-        self._search(Ego(0.0, 0.0, 0.0, 0.0, 0.0), Way(1.0, 0.0, 0.0), Crowd(), ())
+        self._plan, self._carried = np.zeros((shape.stages + 1, 7)), np.zeros((shape.stages + 1, 7))
+        nobody = Tracks(np.empty((shape.stages + 1, 0, 2)), np.empty(0))
+        self._search(Ego(0.0, 0.0, 0.0, 0.0, 0.0), Way(1.0, 0.0, 0.0), nobody)
         self._plan = np.zeros((shape.stages + 1, 7))
 
-    def step(self, odometry: Odometry, goal: Goal, crowd: Crowd, others: tuple[RobotState, ...]) -> Decision:
+    def step(
+        self,
+        odometry: Odometry,
+        goal: Goal,
+        crowd: Crowd | None = None,
+        others: tuple[RobotState, ...] = (),
+        detections: Detections | None = None,
+    ) -> Decision:
         """The beginning of the plan, and the plan; rest at the goal.
 
         Raises:
@@ -155,20 +167,24 @@ class MPC(Controller):
             raise ValueError(f"odometry is {ego}, expected finite numbers")
         ego = self._within_limits(ego)
         way = way_to(goal, ego)
-        found = None if way is None else self._search(ego, way, crowd, others)
+        discs = self._sight.discs(ego, odometry.header, crowd, others, detections)
+        if not all(np.isfinite(array).all() for array in (discs.position, discs.velocity, discs.radius)):
+            raise ValueError("people or robots hold NaN or infinity, expected finite numbers")
+        found = None
+        if way is not None:
+            carry_on(ego, self._plan, self._dt, self._scales, self._carried)
+            own = self._carried[:, [X, Y]].copy()
+            found = self._search(ego, way, self._predictor.tracks(ego, odometry.header, discs, own, self._horizon))
         self._plan = _standing(ego, len(self._plan)) if found is None else found
         speed, rate = (float(np.interp(self._dt, self._times, self._plan[:, column])) for column in (V, OMEGA))
         wanted = self._within_limits(ego._replace(speed=speed, turn_rate=rate))
         return Decision(command(wanted.speed, wanted.turn_rate), self._path(ego, odometry.header))
 
-    def _search(self, ego: Ego, way: Way, crowd: Crowd, others: tuple[RobotState, ...]) -> Array | None:
+    def _search(self, ego: Ego, way: Way, tracks: Tracks) -> Array | None:
         """The best plan that is found; None where the robot can do no better than brake."""
-        discs = discs_of(crowd, others, self._own)
-        if not all(np.isfinite(array).all() for array in (discs.position, discs.velocity, discs.radius)):
-            raise ValueError("crowd or others hold NaN or infinity, expected finite numbers")
         scales, control = self._scales, self._control
         self._set_task(ego, way)
-        near = discs_near(ego, discs, self._period, self._body, scales)
+        near = tracks._replace(radius=tracks.radius + self._body)
         expected = best_start(ego, self._plan, self._dt, near, scales, control.guess)
         if not expected < HOPELESS:
             return None

@@ -25,6 +25,8 @@ import casadi
 import numpy as np
 from numpy.typing import NDArray
 
+from components.controllers.differential import Limits
+
 Array = NDArray[np.float64]
 
 X, Y, THETA, V, OMEGA, A, ALPHA = range(7)
@@ -75,16 +77,6 @@ class Shape(NamedTuple):
     """discs kept clear of"""
     walls: int
     """half-planes per stage"""
-
-
-class Limits(NamedTuple):
-    """What the robot can do."""
-
-    min_speed: float
-    max_speed: float
-    max_acceleration: float
-    max_turn_rate: float
-    max_angular_acceleration: float
 
 
 class Task(NamedTuple):

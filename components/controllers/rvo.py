@@ -32,10 +32,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 from components.controllers.ego import Ego, command, ego_of, heading_error, turn, way_to
-from components.controllers.half_planes import best_velocity
+from components.controllers.half_planes import best_velocity, escape
+from components.controllers.sight import People, Sight
 from components.controllers.surroundings import Discs, discs_of, frozen, nearest_image, nearest_on_segment
 from crowdcosim import Controller, Setup
-from crowdcosim.messages import Crowd, Goal, Odometry, RobotState, Twist
+from crowdcosim.messages import Crowd, Detections, Goal, Odometry, RobotState, Twist
 
 Array = NDArray[np.float64]
 
@@ -51,6 +52,8 @@ STANDING = 1e-6
 class Config:
     """Options of reciprocal avoidance."""
 
+    people_from: People = "truth"
+    """where the robot knows people from"""
     horizon: float = 1.5
     """tau, for how long the robot wants to be free of collisions with neighbours [s]"""
     wall_horizon: float = 1.0
@@ -100,7 +103,7 @@ class RVO(Controller):
     def reset(self, setup: Setup) -> None:
         """Take the robot's limits and the walls, and load the kernels."""
         config, model = self._config, setup.own_robot.model
-        self._own = setup.own_robot.name
+        self._sight = Sight(config.people_from, setup)
         self._walls = frozen(setup.world.segments)
         self._period = frozen(setup.world.period)
         self._max_turn_rate = model.max_angular_velocity
@@ -114,17 +117,24 @@ class RVO(Controller):
             body=model.radius + config.margin,
             max_speed=model.max_speed,
         )
-        nobody = discs_of(Crowd(), (), self._own)
+        nobody = discs_of(Crowd(), (), "")
         safe_velocity(Ego(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, nobody, self._walls, self._period, self._avoidance)
 
-    def step(self, odometry: Odometry, goal: Goal, crowd: Crowd, others: tuple[RobotState, ...]) -> Twist:
+    def step(
+        self,
+        odometry: Odometry,
+        goal: Goal,
+        crowd: Crowd | None = None,
+        others: tuple[RobotState, ...] = (),
+        detections: Detections | None = None,
+    ) -> Twist:
         """Towards the velocity that ORCA asks for; rest at the goal."""
         ego = ego_of(odometry)
         way = way_to(goal, ego)
+        discs = self._sight.discs(ego, odometry.header, crowd, others, detections)
         if way is None:
             return command(0.0, 0.0)
         bearing = way.bearing
-        discs = discs_of(crowd, others, self._own)
         speed, direction = safe_velocity(ego, bearing, discs, self._walls, self._period, self._avoidance)
         return command(speed, turn(heading_error(direction, ego.heading), self._max_turn_rate))
 
@@ -207,49 +217,6 @@ def nearest_discs(ego: Ego, discs: Discs, period: Array, most: int, reach: float
         if count == most:
             limit = min(limit, squares[most - 1])
     return near, count
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def escape(
-    x: float, y: float, vx: float, vy: float, contact: float, horizon: float, dt: float
-) -> tuple[float, float, float, float]:
-    """The least change u of the relative velocity that avoids the other within the horizon, and the normal n there.
-
-    Args:
-        x: from the robot to the other [m].
-        y: [m]
-        vx: velocity of the robot relative to the other [m/s].
-        vy: [m/s]
-        contact: sum of the radii [m].
-        horizon: tau [s].
-        dt: within which to part where they already touch [s].
-
-    Returns:
-        u_x, u_y [m/s], n_x, n_y.
-    """
-    square = x * x + y * y
-    apart = square > contact * contact
-    tau = horizon if apart else dt
-    wx, wy = vx - x / tau, vy - y / tau
-    inward = wx * x + wy * y
-    length = math.hypot(wx, wy)
-    if apart and (inward >= 0.0 or inward * inward <= contact * contact * length * length):
-        # Onto the nearer leg of the cone, whose direction is the line of sight turned until it grazes the other.
-        leg = math.sqrt(square - contact * contact)
-        side = 1.0 if x * wy - y * wx > 0.0 else -1.0
-        dx, dy = (x * leg - side * y * contact) / square, (y * leg + side * x * contact) / square
-        nx, ny = -side * dy, side * dx
-        out = -(vx * nx + vy * ny)
-    else:
-        # Onto the circle that cuts the cone off.
-        if length > 0.0:
-            nx, ny = wx / length, wy / length
-        elif square > 0.0:
-            nx, ny = -x / math.sqrt(square), -y / math.sqrt(square)
-        else:
-            nx, ny = -1.0, 0.0
-        out = contact / tau - length
-    return out * nx, out * ny, nx, ny
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -16,9 +16,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from components.controllers.differential import Limits
 from components.controllers.ego import Ego
-from components.controllers.optimal_control import ALPHA, FAR, OMEGA, THETA, A, Limits, Shape, V, Weights, X, Y
-from components.controllers.surroundings import Discs, nearest_image, nearest_on_segment
+from components.controllers.optimal_control import ALPHA, FAR, OMEGA, THETA, A, Shape, V, Weights, X, Y
+from components.controllers.prediction import Tracks
+from components.controllers.surroundings import nearest_on_segment
 
 Array = NDArray[np.float64]
 
@@ -40,17 +42,6 @@ CROSSING = 1e3
 """cost rate of a stage that goes through a wall, in touches"""
 
 
-class Near(NamedTuple):
-    """M discs that the robot can meet within the horizon, at constant velocity, relative to the robot's position."""
-
-    position: Array
-    """(M, 2) centres now [m]"""
-    velocity: Array
-    """(M, 2) [m/s]"""
-    radius: Array
-    """(M,) R, the robot's radius and the margin included [m]"""
-
-
 class Scales(NamedTuple):
     """All that a cost depends on besides the plan and the people."""
 
@@ -67,28 +58,6 @@ class Scales(NamedTuple):
     shape: Shape
     limits: Limits
     weights: Weights
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def discs_near(ego: Ego, discs: Discs, period: Array, body: float, scales: Scales) -> Near:
-    """The discs that can come near enough to count; `body` is the robot's radius with its margin [m]."""
-    horizon = scales.shape.stages * scales.shape.dt
-    cutoff = negligible_gap(scales.weights)
-    count = len(discs.radius)
-    near = Near(np.empty((count, 2)), np.empty((count, 2)), np.empty(count))
-    m = 0
-    for i in range(count):
-        x, y = discs.position[i, 0] - ego.x, discs.position[i, 1] - ego.y
-        if i < discs.people:
-            x, y = nearest_image(x, period[0]), nearest_image(y, period[1])
-        contact = body + discs.radius[i]
-        speed = scales.limits.max_speed + math.hypot(discs.velocity[i, 0], discs.velocity[i, 1])
-        if math.hypot(x, y) <= contact + cutoff + speed * horizon:
-            near.position[m] = x, y
-            near.velocity[m] = discs.velocity[i]
-            near.radius[m] = contact
-            m += 1
-    return Near(near.position[:m], near.velocity[:m], near.radius[:m])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -149,7 +118,7 @@ def _advance(plan: Array, k: int, speed: float, rate: float, scales: Scales) -> 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def best_start(ego: Ego, old: Array, elapsed: float, near: Near, scales: Scales, plan: Array) -> float:
+def best_start(ego: Ego, old: Array, elapsed: float, near: Tracks, scales: Scales, plan: Array) -> float:
     """Write into `plan` the best place to start from; its cost."""
     carry_on(ego, old, elapsed, scales, plan)
     best = cost(plan, near, scales, np.inf)
@@ -168,7 +137,7 @@ def best_start(ego: Ego, old: Array, elapsed: float, near: Near, scales: Scales,
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def cost(plan: Array, near: Near, scales: Scales, enough: float) -> float:
+def cost(plan: Array, near: Tracks, scales: Scales, enough: float) -> float:
     """The programme's cost of a plan with all of `near`; summed no further than `enough`."""
     weights, dt, way, total = scales.weights, scales.shape.dt, scales.way, 0.0
     for k in range(len(plan)):
@@ -182,7 +151,7 @@ def cost(plan: Array, near: Near, scales: Scales, enough: float) -> float:
             + weights.angular_acceleration * plan[k, ALPHA] ** 2
         )
         if k > 0:
-            rate += weights.proximity * (_discs_touch(x, y, k * dt, near, weights) + _walls_touch(plan, k, scales))
+            rate += weights.proximity * (_discs_touch(x, y, k, near, weights) + _walls_touch(plan, k, scales))
         total += dt * float(rate)
         if total >= enough:
             break
@@ -190,13 +159,12 @@ def cost(plan: Array, near: Near, scales: Scales, enough: float) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _discs_touch(x: float, y: float, t: float, near: Near, weights: Weights) -> float:
-    """sum_j exp(-S h_j) of the robot at (x, y) [m] after the time t [s]."""
+def _discs_touch(x: float, y: float, k: int, near: Tracks, weights: Weights) -> float:
+    """sum_j exp(-S h_j) of the robot at (x, y) [m] at stage k."""
     cutoff = negligible_gap(weights)
     total = 0.0
     for j in range(len(near.radius)):
-        dx = x - near.position[j, 0] - t * near.velocity[j, 0]
-        dy = y - near.position[j, 1] - t * near.velocity[j, 1]
+        dx, dy = x - near.position[k, j, 0], y - near.position[k, j, 1]
         radius = near.radius[j]
         gap = (dx * dx + dy * dy - radius * radius) / (2.0 * radius)
         if gap < cutoff:
@@ -232,12 +200,12 @@ def crosses(ax: float, ay: float, bx: float, by: float, segment: Array) -> bool:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def choose_discs(plan: Array, near: Near, dt: float, radius: Array, disc: Array) -> None:
+def choose_discs(plan: Array, near: Tracks, dt: float, radius: Array, disc: Array) -> None:
     """Write the discs that matter to `plan`, those of least min_k (clearance + LATER t_k), and where they are when.
 
     Args:
         plan: (N + 1, 7).
-        near: of whom to choose.
+        near: of whom to choose, with R as radii.
         dt: time between two stages [s].
         radius: (K,) with K at least 1, for R [m]; that of somebody far away where there are not so many.
         disc: (N, K, 2) for the centres at the stages 1 to N [m].
@@ -247,10 +215,8 @@ def choose_discs(plan: Array, near: Near, dt: float, radius: Array, disc: Array)
     for j in range(len(near.radius)):
         least = np.inf
         for k in range(1, stages + 1):
-            t = k * dt
-            dx = plan[k, X] - near.position[j, 0] - t * near.velocity[j, 0]
-            dy = plan[k, Y] - near.position[j, 1] - t * near.velocity[j, 1]
-            least = min(least, math.sqrt(dx * dx + dy * dy) - near.radius[j] + LATER * t)
+            dx, dy = plan[k, X] - near.position[k, j, 0], plan[k, Y] - near.position[k, j, 1]
+            least = min(least, math.sqrt(dx * dx + dy * dy) - near.radius[j] + LATER * k * dt)
         if count == most and least >= urgency[most - 1]:
             continue
         slot = min(count, most - 1)
@@ -264,7 +230,7 @@ def choose_discs(plan: Array, near: Near, dt: float, radius: Array, disc: Array)
         j = chosen[slot]
         radius[slot] = near.radius[j]
         for k in range(stages):
-            disc[k, slot] = near.position[j] + (k + 1) * dt * near.velocity[j]
+            disc[k, slot] = near.position[k + 1, j]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

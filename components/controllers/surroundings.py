@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from components.controllers.ego import Ego
 from crowdcosim.messages import Crowd, RobotState
 
 Array = NDArray[np.float64]
@@ -63,3 +65,17 @@ def nearest_on_segment(ax: float, ay: float, bx: float, by: float) -> tuple[floa
     square = dx * dx + dy * dy
     t = min(1.0, max(0.0, -(ax * dx + ay * dy) / square)) if square > 0.0 else 0.0
     return ax + t * dx, ay + t * dy
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def walls_near(ego: Ego, walls: Array, reach: float) -> Array:
+    """(K, 2, 2) both ends of those of (W, 2, 2) walls that are within `reach`, relative to the robot's position [m]."""
+    near, count = np.empty_like(walls), 0
+    for i in range(len(walls)):
+        ax, ay = walls[i, 0, 0] - ego.x, walls[i, 0, 1] - ego.y
+        bx, by = walls[i, 1, 0] - ego.x, walls[i, 1, 1] - ego.y
+        x, y = nearest_on_segment(ax, ay, bx, by)
+        if math.hypot(x, y) <= reach:
+            near[count, 0], near[count, 1] = (ax, ay), (bx, by)
+            count += 1
+    return near[:count]

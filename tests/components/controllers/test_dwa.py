@@ -15,7 +15,7 @@ from components.controllers.dwa import DWA, Config, heading, sample, window
 from components.controllers.ego import Ego, Way, ego_of
 from components.controllers.surroundings import discs_of, frozen
 from crowdcosim.component import make, ports_of
-from crowdcosim.messages import Crowd, Goal, Odometry, RobotState
+from crowdcosim.messages import Crowd, Detections, Goal, LaserScan, Odometry, RobotState
 from crowdcosim.world import Wall, World
 
 INFLATION = 0.05
@@ -41,13 +41,15 @@ def random_state(scene, seed):
     return scene.odometry(x, y, theta, v, omega), scene.random_crowd(seed, 150)
 
 
-def test_its_inputs_are_ground_truth():
+def test_its_inputs_are_truth_or_what_is_sensed():
     types = {port.name: (port.type, port.many) for port in ports_of(DWA).inputs}
     assert types == {
         "odometry": (Odometry, False),
         "goal": (Goal, False),
         "crowd": (Crowd, False),
         "others": (RobotState, True),
+        "detections": (Detections, False),
+        "scan": (LaserScan, False),
     }
 
 

@@ -12,7 +12,7 @@ from components.controllers.ego import ego_of
 from components.controllers.mpc import MPC, Config
 from crowdcosim import Controller
 from crowdcosim.component import make, ports_of
-from crowdcosim.messages import Crowd, Goal, Header, Odometry, Path, RobotState, Time, Twist
+from crowdcosim.messages import Crowd, Detections, Goal, Header, Odometry, Path, RobotState, Time, Twist
 from crowdcosim.world import Wall, World
 
 
@@ -67,13 +67,14 @@ def random_state(scene, seed, count=200):
     return scene.odometry(x, y, theta, v, omega), scene.random_crowd(seed, count)
 
 
-def test_its_inputs_are_ground_truth_and_it_says_its_plan():
+def test_its_inputs_are_truth_or_what_is_sensed_and_it_says_its_plan():
     ports = ports_of(MPC)
     assert {p.name: (p.type, p.many) for p in ports.inputs} == {
         "odometry": (Odometry, False),
         "goal": (Goal, False),
         "crowd": (Crowd, False),
         "others": (RobotState, True),
+        "detections": (Detections, False),
     }
     assert {p.name: p.type for p in ports.outputs} == {"twist": Twist, "plan": Path}
 

@@ -8,13 +8,13 @@ import casadi
 import numpy as np
 import pytest
 
+from components.controllers.differential import Limits
 from components.controllers.ego import Ego
 from components.controllers.optimal_control import (
     IDLE,
     OMEGA,
     THETA,
     A,
-    Limits,
     OptimalControl,
     Shape,
     V,
@@ -23,8 +23,8 @@ from components.controllers.optimal_control import (
     Y,
     programme_of,
 )
+from components.controllers.prediction import Tracks
 from components.controllers.starting_plans import (
-    Near,
     Scales,
     choose_discs,
     choose_planes,
@@ -71,11 +71,17 @@ def scales_of(control, bearing=0.0, segments=()) -> Scales:
     )
 
 
-def people(rng) -> Near:
-    return Near(rng.uniform(-3.0, 3.0, (4, 2)), rng.normal(0.0, 0.3, (4, 2)), rng.uniform(0.4, 0.7, 4))
+def tracks(position, velocity, radius) -> Tracks:
+    """People at constant velocity."""
+    times = SHAPE.dt * np.arange(SHAPE.stages + 1)
+    return Tracks(position + times[:, None, None] * velocity, radius)
 
 
-def posed(control, seed) -> tuple[Near, Scales]:
+def people(rng) -> Tracks:
+    return tracks(rng.uniform(-3.0, 3.0, (4, 2)), rng.normal(0.0, 0.3, (4, 2)), rng.uniform(0.4, 0.7, 4))
+
+
+def posed(control, seed) -> tuple[Tracks, Scales]:
     """A problem with people and two walls, written into `control`, with a candidate as guess."""
     rng = np.random.default_rng(seed)
     near = people(rng)
@@ -116,7 +122,7 @@ def test_candidates_are_charged_the_programmes_cost(control, symbols, seed):
 
 def test_a_wall_beside_a_stage_is_charged_the_same(control, symbols):
     scales = scales_of(control, 0.0, [[(-9.0, 0.35), (9.0, 0.35)]])
-    nobody = Near(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
+    nobody = tracks(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
     control.task.start[:] = 0.0, 1.0, 0.0
     turn_and_go(Ego(0.0, 0.0, 0.0, 1.0, 0.0), 0.0, 1.0, scales, control.guess)
     choose_discs(control.guess, nobody, SHAPE.dt, control.task.radius, control.task.disc)
@@ -183,7 +189,7 @@ def test_no_plan_leaves_the_box(control):
 
 def test_without_anybody_the_plan_is_the_reference(control):
     scales = scales_of(control)
-    nobody = Near(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
+    nobody = tracks(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
     control.task.start[:] = 0.0, 1.0, 0.0
     turn_and_go(Ego(0.0, 0.0, 0.0, 1.0, 0.0), 0.5, 0.5, scales, control.guess)
     choose_discs(control.guess, nobody, SHAPE.dt, control.task.radius, control.task.disc)

@@ -9,12 +9,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from components.controllers.differential import Limits
 from components.controllers.ego import Ego
 from components.controllers.mpc import covered, free_box
-from components.controllers.optimal_control import ALPHA, OMEGA, THETA, A, Limits, Shape, V, Weights, X, Y
+from components.controllers.optimal_control import ALPHA, OMEGA, THETA, A, Shape, V, Weights, X, Y
+from components.controllers.prediction import Horizon, Tracks, constant_velocity
 from components.controllers.starting_plans import (
     LATER,
-    Near,
     Scales,
     best_start,
     carry_on,
@@ -22,7 +23,7 @@ from components.controllers.starting_plans import (
     choose_planes,
     cost,
     crosses,
-    discs_near,
+    negligible_gap,
     turn_and_go,
 )
 from components.controllers.surroundings import Discs, frozen
@@ -32,9 +33,8 @@ SEED = st.integers(0, 2**32 - 1)
 SHAPE = Shape(stages=20, dt=0.2, discs=8, walls=2)
 LIMITS = Limits(-0.2, 1.0, 5.0, math.pi, 10.0)
 TIMES = 0.2 * np.arange(21)
+NOBODY = Tracks(np.empty((21, 0, 2)), np.empty(0))
 EGO = Ego(25.0, 5.0, 0.2, 0.5, 0.3)
-NOBODY = Near(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
-NO_PEOPLE = Discs(frozen(np.empty((0, 2))), frozen(np.empty((0, 2))), frozen([]), 0)
 
 
 def scales_of(bearing=0.0, segments=(), box=(-9e9, -9e9, 9e9, 9e9)) -> Scales:
@@ -47,8 +47,13 @@ def empty() -> np.ndarray:
     return np.zeros((21, 7))
 
 
-def crowd(rng, count) -> Near:
-    return Near(rng.uniform(-6, 6, (count, 2)), rng.normal(0, 1, (count, 2)), rng.uniform(0.4, 0.7, count))
+def tracks(position, velocity, radius) -> Tracks:
+    """People at constant velocity."""
+    return Tracks(position + TIMES[:, None, None] * velocity, radius)
+
+
+def crowd(rng, count) -> Tracks:
+    return tracks(rng.uniform(-6, 6, (count, 2)), rng.normal(0, 1, (count, 2)), rng.uniform(0.4, 0.7, count))
 
 
 def cheapest(ego, side, near, scales) -> np.ndarray:
@@ -59,8 +64,8 @@ def cheapest(ego, side, near, scales) -> np.ndarray:
     return min(plans, key=lambda plan: cost(plan, near, scales, np.inf))
 
 
-def standing(*position) -> Near:
-    return Near(np.array(position, np.float64), np.zeros((len(position), 2)), np.full(len(position), 0.577))
+def standing(*position) -> Tracks:
+    return tracks(np.array(position, np.float64), np.zeros((len(position), 2)), np.full(len(position), 0.577))
 
 
 @settings(max_examples=50, deadline=None)
@@ -110,7 +115,14 @@ def test_candidates_are_clipped_inside_the_walls():
 
 def test_nobody_in_the_way_means_straight_ahead():
     plan = empty()
-    best_start(Ego(0.0, 0.0, 0.0, 1.0, 0.0), empty(), 0.1, NOBODY, scales_of(), plan)
+    best_start(
+        Ego(0.0, 0.0, 0.0, 1.0, 0.0),
+        empty(),
+        0.1,
+        NOBODY,
+        scales_of(),
+        plan,
+    )
     np.testing.assert_allclose(plan[:, X], TIMES, atol=1e-12)
     np.testing.assert_allclose(plan[:, Y], 0.0, atol=1e-12)
 
@@ -150,11 +162,13 @@ def test_who_is_left_out_costs_nothing_that_counts(seed):
     discs = Discs(frozen(position), frozen(velocity), frozen(np.full(200, 0.3)), 150)
     period, scales, plan = np.array([50.0, 10.0]), scales_of(), empty()
     turn_and_go(EGO, rng.uniform(-3, 3), 1.0, scales, plan)
-    near = discs_near(EGO, discs, period, 0.277, scales)
+    reach = 0.277 + negligible_gap(scales.weights)
+    near, _ = constant_velocity(EGO, discs, period, Horizon(20, 0.2, 1.0, reach, 0.177))
+    near = near._replace(radius=near.radius + 0.277)
     assert 0 < len(near.radius) < 200
     offset = position - (EGO.x, EGO.y)
     offset[:150] -= np.rint(offset[:150] / period) * period
-    everybody = Near(offset, velocity, np.full(200, 0.577))
+    everybody = tracks(offset, velocity, np.full(200, 0.577))
     # Each of those left out costs nothing at all: it is beyond the cutoff at every stage.
     assert cost(plan, near, scales, np.inf) == pytest.approx(cost(plan, everybody, scales, np.inf), rel=1e-12)
 
@@ -167,7 +181,7 @@ def test_the_discs_chosen_are_the_most_urgent(seed, most, count):
     turn_and_go(EGO, rng.uniform(-3, 3), 1.0, scales_of(), plan)
     radius, disc = np.full(most, np.nan), np.full((20, most, 2), np.nan)
     choose_discs(plan, near, 0.2, radius, disc)
-    track = near.position + TIMES[1:, None, None] * near.velocity
+    track = near.position[1:]
     clearance = np.hypot(*(plan[1:, None, :2] - track).T) - near.radius[:, None] + LATER * TIMES[1:]
     urgent = np.argsort(clearance.min(axis=1, initial=np.inf), kind="stable")[:most]
     np.testing.assert_array_equal(radius[: len(urgent)], near.radius[urgent])
@@ -207,7 +221,14 @@ def test_a_way_crosses_a_wall_if_both_ends_are_on_opposite_sides(seed):
 def test_candidates_that_go_through_a_wall_are_never_taken():
     plan = empty()
     scales = scales_of(segments=[[(0.9, -30.0), (0.9, 30.0)]])
-    best_start(Ego(0.0, 0.0, 0.0, 1.0, 0.0), empty(), 0.1, NOBODY, scales, plan)
+    best_start(
+        Ego(0.0, 0.0, 0.0, 1.0, 0.0),
+        empty(),
+        0.1,
+        NOBODY,
+        scales,
+        plan,
+    )
     assert plan[:, X].max() < 0.9
 
 

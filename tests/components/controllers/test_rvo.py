@@ -13,7 +13,7 @@ from components.controllers.ego import Ego, ego_of
 from components.controllers.rvo import RVO, Config, escape, nearest_discs
 from components.controllers.surroundings import Discs, frozen
 from crowdcosim.component import make, ports_of
-from crowdcosim.messages import Crowd, Goal, Odometry, RobotState
+from crowdcosim.messages import Crowd, Detections, Goal, Odometry, RobotState
 from crowdcosim.world import Wall, World
 
 SEED = st.integers(0, 2**32 - 1)
@@ -45,13 +45,14 @@ def least_gap(p, v, contact, horizon) -> float:
     return float(np.hypot(*(p - t * v)) - contact)
 
 
-def test_its_inputs_are_ground_truth():
+def test_its_inputs_are_truth_or_what_is_sensed():
     types = {port.name: (port.type, port.many) for port in ports_of(RVO).inputs}
     assert types == {
         "odometry": (Odometry, False),
         "goal": (Goal, False),
         "crowd": (Crowd, False),
         "others": (RobotState, True),
+        "detections": (Detections, False),
     }
 
 
