@@ -20,8 +20,13 @@ SHIPPED: dict[Family, dict[str, str]] = {
         "wheels": "components.robot.wheels:Wheels",
     },
     "sensor": {
+        "detections": "components.sensors.detections:PeopleTracker",
+        "encoders": "components.sensors.encoders:WheelEncoders",
+        "imu": "components.sensors.imu:InertialUnit",
         "lidar": "components.sensors.lidar:Lidar",
         "odometry": "components.sensors.odometry:Odometer",
+        "point_cloud": "components.sensors.point_cloud:PointCloud",
+        "ultrasound": "components.sensors.ultrasound:Ultrasound",
     },
     "controller": {
         "baseline": "components.controllers.baseline:Baseline",

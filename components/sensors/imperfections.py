@@ -232,9 +232,6 @@ class Chain:
             if hasattr(kind, "begin")
         ]
 
-    def __bool__(self) -> bool:
-        return bool(self._stages)
-
     def apply(self, readings: Readings, time: int) -> None:
         """Change readings (K, n) in place; `time`: when they were taken [ns]."""
         for stage in self._stages:

@@ -31,7 +31,7 @@ from components.sensors.imperfections import (
     Signal,
     Spikes,
 )
-from components.sensors.scan import Beams, scan
+from components.sensors.scan import Beams, Hits, scan, tell
 from components.sensors.surroundings import Surroundings, people_of, pose_of
 from components.sensors.timing import Delivery, Latency, MessageLoss, RateJitter, require_rate
 from crowdcosim.component import Sensor
@@ -167,17 +167,12 @@ class Lidar(Sensor):
         config, around = self.config, self._around
         pose = pose_of(robot, self._mount)
         hits = scan(self._beams, pose, around.period, around.walls, people_of(crowd), around.robots(others))
-        distance, kind, agent, body_part = hits
         if config.clockwise:
-            distance, kind, agent, body_part = (np.ascontiguousarray(field[::-1]) for field in hits)
-        if self._chain:
-            self._chain.apply(distance.reshape(1, -1), time)
-            lost = distance > config.range_max
-            distance[lost], kind[lost], agent[lost] = np.inf, BeamAgents.NOTHING, 0
-            body_part[lost] = BeamAgents.NO_PART
-        distance[distance < config.range_min] = -np.inf
+            hits = Hits(*(np.ascontiguousarray(field[::-1]) for field in hits))
+        self._chain.apply(hits.distance.reshape(1, -1), time)
+        tell(hits, config.range_min, config.range_max)
         if config.no_hit == "range_max":
-            distance[distance == np.inf] = config.range_max
+            hits.distance[hits.distance == np.inf] = config.range_max
         header = Header(stamp=robot.header.stamp, frame_id=self._setup.component)
         return LidarOutput(
             scan=LaserScan(
@@ -188,7 +183,7 @@ class Lidar(Sensor):
                 scan_time=self._delivery.period,
                 range_min=config.range_min,
                 range_max=config.range_max,
-                ranges=distance.astype(np.float32),
+                ranges=hits.distance.astype(np.float32),
             ),
-            agents=BeamAgents(header=header, kind=kind, agent=agent, body_part=body_part),
+            agents=BeamAgents(header=header, kind=hits.kind, agent=hits.agent, body_part=hits.body_part),
         )

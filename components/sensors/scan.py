@@ -29,6 +29,8 @@ NO_PART = BeamAgents.NO_PART
 
 # How far a wall reaches beyond its ends, as a fraction of its length: closes the corners, which rounding would open.
 _OVERLAP = 1e-9
+# Angle without beams from which on to ask who is in it [rad].
+_WORTHWHILE = 1.0
 
 
 class Beams(NamedTuple):
@@ -112,6 +114,17 @@ class Hits(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
+def nothing_hit(count: int) -> Hits:
+    """So many beams in an empty world."""
+    return Hits(
+        np.full(count, np.inf),
+        np.full(count, NOTHING, np.uint8),
+        np.zeros(count, np.uint32),
+        np.full(count, NO_PART, np.uint8),
+    )
+
+
+@njit(cache=True, nogil=True)
 def scan(
     beams: Beams,
     pose: Pose,
@@ -124,18 +137,52 @@ def scan(
 
     `period`: (2,) of the map [m], 0 along an axis that does not wrap around.
     """
-    count = len(beams.directions)
-    hits = Hits(
-        np.full(count, np.inf),
-        np.full(count, NOTHING, np.uint8),
-        np.zeros(count, np.uint32),
-        np.full(count, NO_PART, np.uint8),
-    )
+    hits = nothing_hit(len(beams.directions))
     for index in range(len(walls.number)):
         _wall(beams, pose, walls.ends[index], walls.number[index], hits)
     _people(beams, pose, period, people, hits)
     _robots(beams, pose, period, robots, hits)
     return hits
+
+
+@njit(cache=True, nogil=True)
+def tell(hits: Hits, range_min: float, range_max: float) -> None:
+    """Make of distances the ranges of REP 117, and nobody of what is beyond the farthest."""
+    for k in range(len(hits.distance)):
+        if hits.distance[k] < range_min:
+            hits.distance[k] = -np.inf
+        elif hits.distance[k] > range_max:
+            hits.distance[k], hits.kind[k], hits.agent[k], hits.body_part[k] = np.inf, NOTHING, 0, NO_PART
+
+
+@njit(cache=True, nogil=True)
+def near(people: People, x: float, y: float, reach: float, period: NDArray[np.float64]) -> People:
+    """Those of whom a part may be within `reach` of (x, y) [m], each at the image that is nearest.
+
+    Several scans from about there are cheaper with these than with everybody.
+    """
+    count = 0
+    index = np.empty(len(people.id), np.intp)
+    position = np.empty((len(people.id), 2))
+    for n in range(len(people.id)):
+        dx, dy = people.position[n, 0] - x, people.position[n, 1] - y
+        if period[0] > 0.0:
+            dx -= period[0] * round(dx / period[0])
+        if period[1] > 0.0:
+            dy -= period[1] * round(dy / period[1])
+        most = reach + REACH * people.stature[n]
+        if dx * dx + dy * dy <= most * most:
+            index[count], position[count, 0], position[count, 1] = n, x + dx, y + dy
+            count += 1
+    index = index[:count]
+    return People(
+        people.id[index],
+        position[:count],
+        people.velocity[index],
+        people.heading[index],
+        people.stature[index],
+        people.gait_phase[index],
+    )
 
 
 @njit(cache=True, nogil=True)
@@ -192,13 +239,44 @@ def _people(beams: Beams, pose: Pose, period: NDArray[np.float64], people: Peopl
         for i in range(west, east + 1):
             for j in range(south, north + 1):
                 x, y = _in_sensor(pose, dx + i * period[0], dy + j * period[1])
-                if x * x + y * y > reach * reach:
+                if x * x + y * y > reach * reach or not _in_view(beams, x, y, REACH * stature):
                     continue
                 if not posed:
                     vx, vy = people.velocity[n, 0], people.velocity[n, 1]
                     pose_one(0.0, 0.0, vx, vy, people.heading[n], stature, people.gait_phase[n], capsules)
                     posed = True
                 _person(beams, pose, x, y, people.id[n], capsules, hits)
+
+
+@njit(cache=True, nogil=True)
+def see(beams: Beams, pose: Pose, people: People, n: int, dx: float, dy: float, hits: Hits) -> int:
+    """How many beams meet person `n`, at (dx, dy) from the sensor in the map [m], if nothing else is there.
+
+    `hits` must hold nothing, and does so afterwards.
+    """
+    capsules = np.empty((CAPSULES, 7))
+    vx, vy = people.velocity[n, 0], people.velocity[n, 1]
+    pose_one(0.0, 0.0, vx, vy, people.heading[n], people.stature[n], people.gait_phase[n], capsules)
+    x, y = _in_sensor(pose, dx, dy)
+    _person(beams, pose, x, y, people.id[n], capsules, hits)
+    count = 0
+    for k in range(len(hits.kind)):
+        if hits.kind[k] != NOTHING:
+            count += 1
+            hits.distance[k], hits.kind[k] = np.inf, NOTHING
+    return count
+
+
+@njit(cache=True, nogil=True)
+def _in_view(beams: Beams, x: float, y: float, radius: float) -> bool:
+    """False if no beam can meet the disc around (x, y); to find out is cheaper than to pose somebody for nothing."""
+    extent = beams.increment * len(beams.directions)
+    if 2.0 * math.pi - extent < _WORTHWHILE:
+        return True
+    first, last = beams.directions[0], beams.directions[-1]
+    right = x * first[1] - y * first[0] > radius
+    left = y * last[0] - x * last[1] > radius
+    return not (right or left) if extent < math.pi else not (right and left)
 
 
 @njit(cache=True, nogil=True)

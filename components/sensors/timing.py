@@ -11,7 +11,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Generic, Literal, TypeVar
+from typing import Annotated, Generic, Literal, TypeVar
+
+from pydantic import Field
 
 from components.sensors.imperfections import require_not_negative, require_probability
 from components.sensors.random_numbers import key_of, normal, uniform
@@ -60,7 +62,7 @@ class MessageLoss:
         require_probability(self)
 
 
-Timing = Latency | RateJitter | MessageLoss
+TimingKind = Annotated[Latency | RateJitter | MessageLoss, Field(discriminator="kind")]
 
 
 def require_rate(config: object) -> None:
