@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from crowdcosim.component import ComponentError, config_adapter
+from orchestrator.config_files import with_absolute_paths
 from orchestrator.problems import Problem, key_path
 from orchestrator.processes import search_path
 from orchestrator.registry import Family, component_class, import_string
@@ -115,7 +116,9 @@ class _Draft:
         self._entry = entry
         self._host: Host = "exec" if entry.exec else entry.host or default_host
         self._use: str | None = None
-        self._config = entry.config
+        options = node.child("config")
+        self._options = with_absolute_paths(options) if options else Node({}, node.place)
+        self._config = self._options.plain()
         self._cwd: Path | None = None
 
     def check_keys(self) -> None:
@@ -149,8 +152,7 @@ class _Draft:
         except ComponentError as error:
             self._fault(str(error), "use")
             return
-        options = self._node.child("config") or Node({}, self._node.place)
-        config = check(adapter, options, key_path((*self._slot.path, "config")), self.faults)
+        config = check(adapter, self._options, key_path((*self._slot.path, "config")), self.faults)
         if config is not None:
             self._config = adapter.dump_python(config, mode="json")
 

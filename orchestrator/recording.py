@@ -8,11 +8,13 @@ from pathlib import Path
 from pydantic import TypeAdapter
 
 from crowdcosim.host import Source
+from orchestrator.config_files import files_in
 from orchestrator.errors import RunError
 from orchestrator.frames import FRAME_CHANNELS, frame_records, static_records
 from orchestrator.lockstep import Committed
 from orchestrator.provenance import versions
 from orchestrator.recorder import Channel, Record, Recorder, as_json, topic_of
+from orchestrator.scenario import Scenario
 from orchestrator.scenery import MARKER_CHANNELS, Scenery, world_record
 from orchestrator.simulation import Simulation
 
@@ -24,7 +26,7 @@ def open_log(simulation: Simulation, path: Path, reference: Reference | None) ->
     """A log with all channels, attachments and what does not move.
 
     Raises:
-        RunError: if the file cannot be written.
+        RunError: if the file cannot be written, or one that belongs into it cannot be read.
     """
     graph = simulation.graph
     channels = [
@@ -40,6 +42,7 @@ def open_log(simulation: Simulation, path: Path, reference: Reference | None) ->
         "wiring.json": as_json(wiring),
         "reference.json": as_json(reference),
     }
+    attachments |= _files(simulation.scenario)
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         recorder = Recorder(
@@ -55,6 +58,22 @@ def open_log(simulation: Simulation, path: Path, reference: Reference | None) ->
     scenario = simulation.scenario
     recorder.add([*static_records(scenario), world_record(scenario.world, scenario.robots)])
     return recorder
+
+
+def _files(scenario: Scenario) -> dict[str, bytes]:
+    """`COMPONENT/file` -> bytes of every file that a component's options name.
+
+    Raises:
+        RunError: if one cannot be read.
+    """
+    found: dict[str, bytes] = {}
+    for spec in scenario.components:
+        for file in files_in(dict(spec.config)):
+            try:
+                found[f"{spec.name}/{file.name}"] = file.read_bytes()
+            except OSError as error:
+                raise RunError(spec.name, None, f"cannot read {file}: {error.strerror}") from None
+    return found
 
 
 class Committer:

@@ -37,8 +37,7 @@ class Config:
     motor: Motor = field(default_factory=Motor)
     """of each wheel; for the native motors and the built-in FMU"""
     fmu: str | None = None
-    """an FMU in the place of the native motors: `built-in`, `built-in-fmi2`, or a file, whose path counts from the
-    folder in which crowdcosim was started"""
+    """an FMU in the place of the native motors: `built-in`, `built-in-fmi2`, or a file, `./supplier.fmu`"""
     variables: Variables | None = None
     """which variables of the FMU play which part; without, those that are called like the parts"""
     parameters: Mapping[str, float | bool | str] = field(default_factory=dict)
@@ -47,6 +46,10 @@ class Config:
     def __post_init__(self) -> None:
         if not self.grip > 0.0:
             raise ValueError(f"grip is {self.grip}, expected more than zero")
+        if self._own_file is not None and not self._own_file.startswith(("./", "../", "/")):
+            raise ValueError(
+                f"fmu is '{self.fmu}', expected built-in, built-in-fmi2, or a path that begins with ./, ../ or /"
+            )
         for name, without in (("variables", None), ("parameters", {})):
             if self._own_file is None and getattr(self, name) != without:
                 raise ValueError(f"{name} is given, expected none: only an FMU of your own (`fmu: FILE`) has them")

@@ -9,6 +9,7 @@ import pytest
 
 from components.robot.fmu_build import MODEL, compile_library, find_compiler, source_files, write_archive
 from components.robot.fmu_file import LIBRARY_SUFFIX, PLATFORM
+from orchestrator.log import read_log
 
 HERE = Path(__file__).parent
 FAULTY = HERE.parent / "components" / "robot" / "faulty_drive.c"
@@ -86,7 +87,7 @@ def test_native_motors_and_both_fmus_give_the_same_log(crowdcosim, scenario) -> 
         "native": drive(),
         "built-in": drive("fmu: built-in"),
         "process": drive("fmu: built-in", ", host: process"),
-        "file": drive("fmu: fmus/WheelDrive_fmi2.fmu, parameters: {yaw_inertia: 0.31328999999999996}"),
+        "file": drive("fmu: ./fmus/WheelDrive_fmi2.fmu, parameters: {yaw_inertia: 0.31328999999999996}"),
     }
     hashes = {}
     for name, text in variants.items():
@@ -94,6 +95,8 @@ def test_native_motors_and_both_fmus_give_the_same_log(crowdcosim, scenario) -> 
         outcome = crowdcosim("run", path, "--out", f"out-{name}", "--json")
         assert outcome.code == 0, outcome.stderr
         hashes[name] = outcome.json["data_hash"]
+    carried = read_log(crowdcosim.folder / "out-file" / "episode.mcap").attachments["robot/WheelDrive_fmi2.fmu"]
+    assert carried == (crowdcosim.folder / "fmus" / "WheelDrive_fmi2.fmu").read_bytes()
     # On machines that round in other ways, they agree to 1e-6 and no further.
     assert len(set(hashes.values())) == 1, hashes
 
@@ -101,7 +104,7 @@ def test_native_motors_and_both_fmus_give_the_same_log(crowdcosim, scenario) -> 
 @has_compiler
 def test_an_fmu_that_crashes_is_named_with_its_signal(crowdcosim, scenario) -> None:
     faulty(crowdcosim.folder, "crash", 205)  # ten communication steps per tick
-    path = scenario(drive("fmu: broken.fmu") + "reference: false\n")
+    path = scenario(drive("fmu: ./broken.fmu") + "reference: false\n")
     failed(crowdcosim("run", path, "--out", "out"), "component 'robot' at tick 20", "killed by SIGSEGV")
     log = crowdcosim("inspect", "out", "--json")
     assert log.json["complete"]
@@ -112,16 +115,18 @@ def test_an_fmu_that_crashes_is_named_with_its_signal(crowdcosim, scenario) -> N
 @pytest.mark.parametrize(("version", "host"), [("2", "process"), ("3", "inline")])
 def test_an_fmu_that_gives_up_is_quoted(crowdcosim, scenario, version, host) -> None:
     faulty(crowdcosim.folder, "discard", 205, version)
-    path = scenario(drive("fmu: broken.fmu", f", host: {host}") + "reference: false\n")
+    path = scenario(drive("fmu: ./broken.fmu", f", host: {host}") + "reference: false\n")
     failed(crowdcosim("run", path, "--out", "out"), "at tick 20", "broken.fmu", "Discard", "the solver gave up")
 
 
 @pytest.mark.parametrize(
     ("config", "words"),
     [
-        ("fmu: gone.fmu", ["there is no FMU", "gone.fmu"]),
-        ("fmu: text.fmu", ["text.fmu is not an FMU"]),
-        pytest.param("fmu: good.fmu, parameters: {gear_ration: 1}", ["did you mean 'gear_ratio'?"], marks=has_compiler),
+        ("fmu: ./gone.fmu", ["there is no FMU", "gone.fmu"]),
+        ("fmu: ./text.fmu", ["text.fmu is not an FMU"]),
+        pytest.param(
+            "fmu: ./good.fmu, parameters: {gear_ration: 1}", ["did you mean 'gear_ratio'?"], marks=has_compiler
+        ),
     ],
 )
 def test_an_fmu_that_cannot_be_used_is_refused_at_the_start(crowdcosim, scenario, config, words) -> None:
@@ -141,7 +146,7 @@ def test_without_a_compiler_the_built_in_fmu_says_what_to_do(crowdcosim, scenari
 @pytest.mark.parametrize(
     ("config", "words"),
     [
-        ("fmu: a.fmu, variables: {left_comand: {name: a}}", ["left_comand", "did you mean 'left_command'?"]),
+        ("fmu: ./a.fmu, variables: {left_comand: {name: a}}", ["left_comand", "did you mean 'left_command'?"]),
         ("motor: {resistance: 0}", ["resistance is 0.0, expected more than zero"]),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -10,9 +11,9 @@ from pydantic import ValidationError
 
 from components.robot.motor import Motor
 from components.robot.wheels import Config, Wheels
-from crowdcosim.component import make, ports_of
+from crowdcosim.component import ComponentError, make, ports_of
 from crowdcosim.messages import Contacts
-from crowdcosim.robots import Pose, Robot, Target
+from crowdcosim.robots import Differential, Holonomic, Pose, Robot, Target
 from crowdcosim.setup import Setup
 from crowdcosim.world import Wall, World
 
@@ -134,6 +135,18 @@ def test_it_waits_behind_a_person_and_goes_on(scene, twist, people):
     assert len(contacts.kind) == 0
 
 
+@pytest.mark.parametrize(
+    ("base", "text"),
+    [
+        (Differential(track=0.23), "gives no wheel_radius and track"),
+        (Holonomic(max_lateral_speed=1.0), "is of kind 'holonomic', expected 'differential'"),
+    ],
+)
+def test_a_robot_without_two_known_wheels_is_refused(turtlebot, people, base, text):
+    with pytest.raises(ComponentError, match=text):
+        Scene(dataclasses.replace(turtlebot, base=base), people)
+
+
 def test_a_reset_begins_anew(scene, twist):
     here = scene()
     first = [here.step(twist(1.0, 0.3)).state.position.tolist() for _ in range(20)]
@@ -145,15 +158,17 @@ def test_a_reset_begins_anew(scene, twist):
     ("options", "text"),
     [
         ({"grip": 0.0}, "grip is 0.0"),
+        ({"fmu": "mine.fmu"}, "fmu is 'mine.fmu', expected built-in, built-in-fmi2, or a path that begins with"),
+        ({"track": 0.3}, "track"),
         ({"motor": {"resistance": -1.0}}, "resistance is -1.0"),
         ({"motor": {"resistence": 1.0}}, "resistence"),
         ({"parameters": {"mass": 1.0}}, "only an FMU of your own"),
         ({"fmu": "built-in", "parameters": {"mass": 1.0}}, "only an FMU of your own"),
-        ({"fmu": "mine.fmu", "motor": {"resistance": 1.0}}, "expected none beside an FMU of your own"),
-        ({"fmu": "mine.fmu", "variables": {"left_command": {"name": "a"}}}, "right_command is missing"),
-        ({"fmu": "mine.fmu", "variables": {"left_comand": {"name": "a"}}}, "left_comand"),
+        ({"fmu": "./mine.fmu", "motor": {"resistance": 1.0}}, "expected none beside an FMU of your own"),
+        ({"fmu": "./mine.fmu", "variables": {"left_command": {"name": "a"}}}, "right_command is missing"),
+        ({"fmu": "./mine.fmu", "variables": {"left_comand": {"name": "a"}}}, "left_comand"),
         (
-            {"fmu": "mine.fmu", "variables": {"left_command": {"name": "a"}, "right_command": {"name": "b"}}},
+            {"fmu": "./mine.fmu", "variables": {"left_command": {"name": "a"}, "right_command": {"name": "b"}}},
             "results: found neither, expected either left_speed and right_speed, or left_torque and right_torque",
         ),
     ],
