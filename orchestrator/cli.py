@@ -242,6 +242,25 @@ def generate(
         print_generation(suite, out or Path(suite), as_json)
 
 
+@app.command()
+def tracks(
+    scenario: Scenario,
+    settings: Settings = None,
+    replace: Annotated[
+        int | None, typer.Option(metavar="ID", help="Print the lines of a robot that takes this person's place.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """List the people of recorded tracks: when and where each comes and goes.
+
+    Example: `crowdcosim tracks examples/replay.yaml --replace 3`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.tracks import print_tracks
+
+        print_tracks(scenario, settings or [], replace, as_json)
+
+
 @app.command(context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
 def check(
     component: Annotated[

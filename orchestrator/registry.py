@@ -13,7 +13,10 @@ from orchestrator.problems import near_miss
 Family = Literal["crowd", "drive", "sensor", "controller", "evaluator"]
 
 SHIPPED: dict[Family, dict[str, str]] = {
-    "crowd": {"crowd": "components.crowd.crowd:CrowdModel"},
+    "crowd": {
+        "crowd": "components.crowd.crowd:CrowdModel",
+        "replay": "components.crowd.replay:Replay",
+    },
     "drive": {
         "forces": "components.robot.forces:Forces",
         "kinematic": "components.robot.kinematic:Kinematic",

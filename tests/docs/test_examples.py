@@ -23,7 +23,7 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 def test_every_example_of_the_page_runs(page: Path, tmp_path: Path) -> None:
     ran = 0
     for language, text in blocks(page):
-        if language in ("yaml", "python") and (name := re.match(r"# (\S+\.(?:yaml|py))\n", text)):
+        if language in ("yaml", "python", "csv") and (name := re.match(r"# (\S+\.(?:yaml|py|csv))\n", text)):
             (tmp_path / name[1]).write_text(text)
         elif language == "console":
             for command in re.findall(r"^\$ crowdcosim (.*)$", text, re.MULTILINE):
