@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 from components.controllers.commanded import Commanded
 from crowdcosim.messages import Twist, Vector3
@@ -48,11 +49,11 @@ def robots_to_command(scenario: Scenario, wanted: list[str]) -> tuple[str, ...]:
     return tuple(r for r in robots if r in wanted or f"{r}/controller" not in driven)
 
 
-def take_over(robot: str) -> tuple[str, ...]:
+def take_over(robot: str, latency: float | Literal["measured"]) -> tuple[str, ...]:
     """Settings that put us in the place of the robot's controller."""
     key = f"robots.{robot}.controller"
     use = f"{Commanded.__module__}:{Commanded.__qualname__}"
-    return (f"{key}=null", f"{key}={{use: '{use}', host: inline}}")
+    return (f"{key}=null", f"{key}={{use: '{use}', host: inline, latency: {latency}}}")
 
 
 def _twist(robot: str, command: Command) -> Twist:

@@ -9,12 +9,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from pydantic import TypeAdapter
+
 from crowdcosim.component import ComponentError, config_adapter
 from orchestrator.config_files import with_absolute_paths
 from orchestrator.problems import Problem, key_path
 from orchestrator.processes import search_path
 from orchestrator.registry import Family, component_class, import_string
-from orchestrator.scenario_file import ComponentEntry, component_adapter
+from orchestrator.scenario_file import ComponentEntry, ControllerEntry, component_adapter, controller_adapter
 from orchestrator.validation import check
 from orchestrator.wiring import Reference
 from orchestrator.yaml_tree import Node
@@ -29,6 +31,11 @@ class Slot(NamedTuple):
     robot: str | None
     family: Family
     path: tuple[str, ...]
+
+    @property
+    def adapter(self) -> TypeAdapter[Any]:
+        """Validator of what may stand there."""
+        return controller_adapter() if self.family == "controller" else component_adapter()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +57,8 @@ class ComponentSpec:
     config: Mapping[str, Any]
     """every option as plain data, the defaults filled in where the class is known"""
     inputs: Mapping[str, Reference] = field(default_factory=dict)
+    latency: float | Literal["measured"] = 0.0
+    """of a controller: how long after its tick a command takes effect [s]"""
     entry: Mapping[str, Any] = field(compare=False, repr=False)
     """as the resolved scenario writes it"""
     path: tuple[str, ...] = field(compare=False, repr=False)
@@ -92,7 +101,7 @@ def component_specs(
     specs = []
     for slot in slots(tree):
         node = tree.nearest(*slot.path)
-        entry = check(component_adapter(), node, "", [])
+        entry: ComponentEntry | None = check(slot.adapter, node, "", [])
         if entry is None:
             continue
         draft = _Draft(slot, node, entry, default_host)
@@ -178,7 +187,7 @@ class _Draft:
         # A short name outlives the file behind it; a path means the same only if it is absolute.
         use = entry.use if entry.use and ":" not in entry.use else self._use
         cwd = str(self._cwd) if self._cwd else None
-        written = component_adapter().dump_python(replace(entry, use=use, cwd=cwd), mode="json", exclude_none=True)
+        written = slot.adapter.dump_python(replace(entry, use=use, cwd=cwd), mode="json", exclude_none=True)
         return ComponentSpec(
             name=slot.name,
             robot=slot.robot,
@@ -189,6 +198,7 @@ class _Draft:
             every=entry.every,
             config=self._config,
             inputs={port: Reference(*text.split(".")) for port, text in entry.inputs.items()},
+            latency=entry.latency if isinstance(entry, ControllerEntry) else 0.0,
             entry=written | {"config": dict(self._config)},
             path=slot.path,
             node=self._node,

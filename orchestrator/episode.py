@@ -46,6 +46,8 @@ class Result:
 
     scenario: str
     seed: int
+    repeatable: bool
+    """False: a latency was measured, and another run of the same scenario and seed may end differently"""
     outcome: Reason
     arrived: tuple[str, ...]
     """robots that reached their goal"""
@@ -161,6 +163,7 @@ class Episode:
         return Result(
             scenario=scenario.name,
             seed=scenario.seed,
+            repeatable=scenario.repeatable,
             outcome=self.reason,
             arrived=arrived,
             ticks=self.tick,

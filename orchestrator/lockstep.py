@@ -187,6 +187,10 @@ class Lockstep:
         """The message of an output that was committed last."""
         return self._held[component, port].decoded()
 
+    def computing_time(self, component: str, port: str) -> int:
+        """Wall-clock time that a component took for an output of this tick [ns]."""
+        return self._incoming[component, port].label.elapsed
+
     def latest(self, component: str, port: str, tick: int) -> Any:
         """The committed message of an output that holds at `tick`; None if there is none."""
         for held in (self._held.get((component, port)), self._before.get((component, port))):
@@ -215,10 +219,11 @@ class Lockstep:
     def _step_inline(self, name: str, host: ComponentHost, tick: int) -> None:
         begin = time.perf_counter_ns()
         outputs = self._guard(name, tick, host.step, tick, self._reader(tick))
-        self.elapsed[name].append(time.perf_counter_ns() - begin + self.thought.pop(name, 0))
+        elapsed = time.perf_counter_ns() - begin + self.thought.pop(name, 0)
+        self.elapsed[name].append(elapsed)
         label = host.output_label(tick)
         for port, message in outputs.items():
-            self._publish(name, port, Label(self._episode, label, label * self._period), message)
+            self._publish(name, port, Label(self._episode, label, label * self._period, elapsed), message)
 
     def _reader(self, tick: int) -> Callable[[Source, int], Message]:
         def read(source: Source, label: int) -> Message:

@@ -49,9 +49,7 @@ def open_log(simulation: Simulation, path: Path, reference: Reference | None) ->
             path,
             (*FRAME_CHANNELS, *MARKER_CHANNELS, *channels),
             attachments=attachments,
-            metadata={
-                "run": {"scenario": simulation.scenario.name, "seed": str(simulation.scenario.seed)} | versions()
-            },
+            metadata={"run": _about(simulation.scenario) | versions()},
         )
     except OSError as error:
         raise RunError(None, None, f"cannot write {path}: {error.strerror}") from None
@@ -74,6 +72,10 @@ def _files(scenario: Scenario) -> dict[str, bytes]:
             except OSError as error:
                 raise RunError(spec.name, None, f"cannot read {file}: {error.strerror}") from None
     return found
+
+
+def _about(scenario: Scenario) -> dict[str, str]:
+    return {"scenario": scenario.name, "seed": str(scenario.seed), "repeatable": str(scenario.repeatable).lower()}
 
 
 class Committer:

@@ -50,6 +50,11 @@ class Scenario:
         """The tick at which the time limit ends the run: the first that is not before it."""
         return -(-int(_nanoseconds(self.ending.time_limit)) // self.period)
 
+    @property
+    def repeatable(self) -> bool:
+        """False if computing times, which differ from run to run, have a say in what happens."""
+        return all(component.latency != "measured" for component in self.components)
+
     def component(self, name: str) -> ComponentSpec:
         """The component of that name.
 

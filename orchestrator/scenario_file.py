@@ -35,7 +35,7 @@ _STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 NOT_ROBOTS = ("crowd", "evaluator", "orchestrator", "tick")
 """names that no robot may have: they are other components or topics of a run"""
-NOT_SENSORS = ("controller", "goal")
+NOT_SENSORS = ("command", "controller", "goal")
 """names that no sensor may have: they are other components of its robot"""
 
 
@@ -62,6 +62,16 @@ class ComponentEntry:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ControllerEntry(ComponentEntry):
+    """A robot's controller: a component, and how long after sensing its commands take effect."""
+
+    __pydantic_config__ = _STRICT
+
+    latency: Annotated[float, Field(ge=0)] | Literal["measured"] = 0.0
+    """a command takes effect so long after its tick [s], or after the computing time as `measured`: not repeatable"""
+
+
+@dataclass(frozen=True, kw_only=True)
 class RobotEntry:
     """One robot: its body, task and components."""
 
@@ -73,7 +83,7 @@ class RobotEntry:
     """turns commands into motion"""
     sensors: Mapping[Name, ComponentEntry] = field(default_factory=dict)
     """sensor's name -> component"""
-    controller: ComponentEntry | None = None
+    controller: ControllerEntry | None = None
     """turns observations into commands"""
 
 
@@ -153,3 +163,8 @@ def adapter() -> TypeAdapter[ScenarioFile]:
 @cache
 def component_adapter() -> TypeAdapter[ComponentEntry]:
     return TypeAdapter(ComponentEntry)
+
+
+@cache
+def controller_adapter() -> TypeAdapter[ControllerEntry]:
+    return TypeAdapter(ControllerEntry)

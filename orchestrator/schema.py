@@ -29,7 +29,7 @@ def schema() -> dict[str, Any]:
     for family in ("crowd", "evaluator"):
         whole["properties"][family] = _renamed(whole["properties"][family], "ComponentEntry", family)
     for key, family in (("drive", "drive"), ("sensors", "sensor"), ("controller", "controller")):
-        robot[key] = _renamed(robot[key], "ComponentEntry", family)
+        robot[key] = _renamed(robot[key], _entry(family), family)
     robot["model"] = _model(robot["model"], defs)
     whole["required"].remove("name")  # a file has a name anyway
     whole["properties"]["extends"] = _extends("scenario", scenario_names())
@@ -63,11 +63,15 @@ def _component_defs(family: Family) -> dict[str, Any]:
         cases.append({"if": {"properties": {"use": {"const": name}}, "required": ["use"]}, "then": then})
     names = [{"const": entry.name, "description": entry.description} for entry in list_components()[family]]
     defs[family] = {
-        "$ref": f"{_DEFS}ComponentEntry",
+        "$ref": f"{_DEFS}{_entry(family)}",
         "properties": {"use": {"anyOf": [*names, _OWN, {"type": "null"}]}},
         "allOf": cases,
     }
     return defs
+
+
+def _entry(family: Family) -> str:
+    return "ControllerEntry" if family == "controller" else "ComponentEntry"
 
 
 def _model(entry: dict[str, Any], defs: dict[str, Any]) -> dict[str, Any]:

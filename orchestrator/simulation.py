@@ -20,6 +20,7 @@ from crowdcosim.robots import Robot
 from crowdcosim.setup import Setup
 from orchestrator.component_specs import ComponentSpec
 from orchestrator.errors import InputError, RunError, WiringError
+from orchestrator.latency import CommandInEffect, command_of, with_commands
 from orchestrator.lockstep import Lockstep
 from orchestrator.problems import ScenarioError
 from orchestrator.processes import Processes
@@ -69,6 +70,7 @@ class Simulation:
                 self._remote = self._start(outside, logs, listen, status)
             self.graph = self._wire()
             self._hosts = {s.name: self._inline_host(s) for s in scenario.components if s.host == "inline"}
+            self._hosts |= {command_of(s): self._command(s) for s in scenario.components if s.latency}
             if self._remote:
                 self._remote.configure({spec.name: self._configuration(spec) for spec in outside})
                 self._remote.connect()
@@ -101,7 +103,7 @@ class Simulation:
         assert self.inline, "components elsewhere have been told their seed for good"
         self.scenario = replace(self.scenario, seed=seed, resolved={**self.scenario.resolved, "seed": seed})
         for name, host in self._hosts.items():
-            host.setup = self.setup(name)
+            host.setup = replace(host.setup, seed=component_seed(seed, name))
 
     def setup(self, component: str) -> Setup:
         """What `component` is told at the start, but for what each episode adds."""
@@ -184,6 +186,22 @@ class Simulation:
             component, every=spec.every, wiring=self.graph.sources[spec.name], setup=self.setup(spec.name)
         )
 
+    def _command(self, spec: ComponentSpec) -> ComponentHost:
+        """What stands between a controller with a latency and the drive."""
+        name = command_of(spec)
+        (source,) = self.graph.sources[name]["twist"]
+        latency: int | Callable[[], int]
+        if spec.latency == "measured":
+            latency = lambda: self.lockstep.computing_time(source.component, source.port)  # noqa: E731
+        else:
+            latency = round(spec.latency * 1e9)
+        return ComponentHost(
+            CommandInEffect(latency, period=self.scenario.period, every=spec.every),
+            every=1,
+            wiring=self.graph.sources[name],
+            setup=setup_of(self.scenario, name, spec.robot, 1),
+        )
+
     def _configuration(self, spec: ComponentSpec) -> str:
         sources = TypeAdapter(Mapping[str, tuple[Source, ...]]).dump_python(self.graph.sources[spec.name])
         body: dict[str, Any] = {
@@ -209,8 +227,12 @@ def connected(scenario: Scenario, members: list[Member]) -> Graph:
         ScenarioError: if they do not fit together, with the line of each component.
     """
     goals = [Member(name=f"{r.name}/goal", robot=r.name, every=FOREVER, ports=GOAL_PORTS) for r in scenario.robots]
+    late = [spec for spec in scenario.components if spec.latency]
     try:
-        return connect((*goals, *members))
+        graph = connect((*goals, *members))
+        if not late:
+            return graph
+        return connect((*goals, *with_commands(members, late, graph)))
     except WiringError as error:
         raise ScenarioError(scenario.component(name).problem(text) for name, text in error.problems) from None
 

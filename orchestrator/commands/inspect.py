@@ -48,6 +48,8 @@ def print_summary(path: Path, as_json: bool) -> None:
     if metrics:
         console.print(metrics_table(metrics))
     console.print(f"hash    {data_hash}" + ("" if intact else "  [red]differs from the hash that the run gave[/]"))
+    if run.get("repeatable") == "false":
+        console.print("[yellow]not repeatable: a controller's latency was measured[/]")
     if not log.complete:
         console.print("[yellow]this log was cut off; it shows what was complete[/]")
 

@@ -104,5 +104,7 @@ def _show(result: Result, report: Path | None) -> None:
         f"{result.real_time_factor:.0f}x real time; started in {result.start_up_time:.1f} s)"
     )
     console.print(metrics_table(result.metrics))
+    if not result.repeatable:
+        console.print("[yellow]not repeatable: a controller's latency was measured[/]")
     if result.log:
         console.print(f"log     {result.log}\nreport  {report}\nhash    {result.data_hash}", soft_wrap=True)
