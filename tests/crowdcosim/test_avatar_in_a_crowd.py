@@ -20,7 +20,7 @@ DT = 0.1
 
 
 def slip(flow: str, count: int, policy: str, begin: float, end: float) -> float:
-    """Of the time from `begin` to `end` [s]: mean speed of heels and balls that are on the floor at both ends of a time step, over that of the people."""
+    """Mean speed of heels and balls that stay on the floor, from `begin` to `end` [s], over that of the people."""
     crowd = make(CrowdModel, {"flow": flow, "count": count, "policy": policy})
     world = World(size=(50.0, 10.0), periodic=(True, True))
     crowd.reset(Setup(component="crowd", period=100_000_000, seed=1, world=world))
