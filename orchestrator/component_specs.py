@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -16,12 +16,26 @@ from orchestrator.config_files import with_absolute_paths
 from orchestrator.problems import Problem, key_path
 from orchestrator.processes import search_path
 from orchestrator.registry import Family, component_class, import_string
-from orchestrator.scenario_file import ComponentEntry, ControllerEntry, component_adapter, controller_adapter
+from orchestrator.scenario_file import (
+    ComponentEntry,
+    ControllerEntry,
+    SensorEntry,
+    component_adapter,
+    controller_adapter,
+    sensor_adapter,
+)
 from orchestrator.validation import check
 from orchestrator.wiring import Reference
 from orchestrator.yaml_tree import Node
 
 Host = Literal["process", "inline", "external", "exec"]
+
+
+_ADAPTERS: Mapping[Family, Callable[[], TypeAdapter[Any]]] = {
+    "sensor": sensor_adapter,
+    "controller": controller_adapter,
+}
+"""of what may stand for a component of these families, other than a `ComponentEntry`"""
 
 
 class Slot(NamedTuple):
@@ -35,7 +49,7 @@ class Slot(NamedTuple):
     @property
     def adapter(self) -> TypeAdapter[Any]:
         """Validator of what may stand there."""
-        return controller_adapter() if self.family == "controller" else component_adapter()
+        return _ADAPTERS.get(self.family, component_adapter)()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,7 +147,8 @@ class _Draft:
     def check_keys(self) -> None:
         """Keys that do not go together, and what `use` and `cwd` stand for."""
         entry = self._entry
-        if entry.use is None and entry.exec is None and self._host != "external":
+        preset = isinstance(entry, SensorEntry) and entry.preset  # that could not be read: somebody has said so
+        if entry.use is None and entry.exec is None and not preset and self._host != "external":
             self._fault("found no component, expected `use: ...`, `exec: [...]`, or `host: external`")
         if entry.use is not None and entry.exec is not None:
             self._fault("found beside `use`, expected one of the two", "exec")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from orchestrator.problems import Place, Problem, ScenarioError, near_miss
-from orchestrator.shipped import names_in, robots_folder, scenario_names, scenarios_folder
+from orchestrator.shipped import devices_folder, names_in, robots_folder, scenario_names, scenarios_folder
 from orchestrator.yaml_tree import Node, parse
 
 _OF_ONE_FILE = ("extends", "name", "description")
@@ -28,6 +28,10 @@ def scenarios() -> Shelf:
 
 def robots() -> Shelf:
     return Shelf("robot", robots_folder(), names_in(robots_folder()))
+
+
+def devices() -> Shelf:
+    return Shelf("device", devices_folder(), names_in(devices_folder()))
 
 
 def read(reference: str | Path, shelf: Shelf, place: Place, key: str = "", chain: tuple[Path, ...] = ()) -> Node:

@@ -14,6 +14,7 @@ from orchestrator import extends
 from orchestrator.component_specs import ComponentSpec, component_specs
 from orchestrator.mounts import mount_problems
 from orchestrator.placement import placement_problems, world_of
+from orchestrator.presets import with_presets
 from orchestrator.problems import Place, Problem, ScenarioError, key_path, near_miss
 from orchestrator.scenario_file import NOT_ROBOTS, NOT_SENSORS, Deadlines, Ending, ScenarioFile, adapter
 from orchestrator.validation import check
@@ -87,7 +88,7 @@ def from_resolved(resolved: Mapping[str, Any]) -> Scenario:
 
 def _checked(tree: Node, *, trust: bool = False) -> Scenario:
     problems: list[Problem] = []
-    tree = _with_robot_models(tree, problems)
+    tree = with_presets(_with_robot_models(tree, problems), problems)
     file = check(adapter(), tree, "", problems)
     problems.extend(_name_problems(tree))
     components = component_specs(tree, file.host if file else "process", problems, trust=trust)

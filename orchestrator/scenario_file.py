@@ -62,6 +62,16 @@ class ComponentEntry:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SensorEntry(ComponentEntry):
+    """A robot's sensor: a component, or a device by name."""
+
+    __pydantic_config__ = _STRICT
+
+    preset: str | None = None
+    """a shipped device's name, or `./file.yaml`: component and options, of which this entry changes what it says"""
+
+
+@dataclass(frozen=True, kw_only=True)
 class ControllerEntry(ComponentEntry):
     """A robot's controller: a component, and how long after sensing its commands take effect."""
 
@@ -81,7 +91,7 @@ class RobotEntry:
     goal: Target
     drive: ComponentEntry
     """turns commands into motion"""
-    sensors: Mapping[Name, ComponentEntry] = field(default_factory=dict)
+    sensors: Mapping[Name, SensorEntry] = field(default_factory=dict)
     """sensor's name -> component"""
     controller: ControllerEntry | None = None
     """turns observations into commands"""
@@ -163,6 +173,11 @@ def adapter() -> TypeAdapter[ScenarioFile]:
 @cache
 def component_adapter() -> TypeAdapter[ComponentEntry]:
     return TypeAdapter(ComponentEntry)
+
+
+@cache
+def sensor_adapter() -> TypeAdapter[SensorEntry]:
+    return TypeAdapter(SensorEntry)
 
 
 @cache

@@ -8,9 +8,11 @@ from crowdcosim.component import config_adapter
 from orchestrator.field_docs import documented_schema
 from orchestrator.registry import SHIPPED, Family, component_class
 from orchestrator.scenario_file import adapter
-from orchestrator.shipped import list_components, list_robots, scenario_names
+from orchestrator.shipped import list_components, list_devices, list_robots, scenario_names
 
 _DEFS = "#/$defs/"
+_ENTRY: dict[Family, str] = {"sensor": "SensorEntry", "controller": "ControllerEntry"}
+"""what may stand beside a component of these families, other than a `ComponentEntry`"""
 _PARTIAL = "partial-"
 _OWN = {"type": "string", "pattern": ":", "description": "package.module:Class, or ./file.py:Class"}
 _FILE = {"type": "string", "pattern": r"\.ya?ml$", "description": "path, relative to this file"}
@@ -29,7 +31,7 @@ def schema() -> dict[str, Any]:
     for family in ("crowd", "evaluator"):
         whole["properties"][family] = _renamed(whole["properties"][family], "ComponentEntry", family)
     for key, family in (("drive", "drive"), ("sensors", "sensor"), ("controller", "controller")):
-        robot[key] = _renamed(robot[key], _entry(family), family)
+        robot[key] = _renamed(robot[key], _ENTRY.get(family, "ComponentEntry"), family)
     robot["model"] = _model(robot["model"], defs)
     whole["required"].remove("name")  # a file has a name anyway
     whole["properties"]["extends"] = _extends("scenario", scenario_names())
@@ -63,15 +65,19 @@ def _component_defs(family: Family) -> dict[str, Any]:
         cases.append({"if": {"properties": {"use": {"const": name}}, "required": ["use"]}, "then": then})
     names = [{"const": entry.name, "description": entry.description} for entry in list_components()[family]]
     defs[family] = {
-        "$ref": f"{_DEFS}{_entry(family)}",
-        "properties": {"use": {"anyOf": [*names, _OWN, {"type": "null"}]}},
+        "$ref": f"{_DEFS}{_ENTRY.get(family, 'ComponentEntry')}",
+        "properties": {"use": {"anyOf": [*names, _OWN, {"type": "null"}]}} | _preset(family),
         "allOf": cases,
     }
     return defs
 
 
-def _entry(family: Family) -> str:
-    return "ControllerEntry" if family == "controller" else "ComponentEntry"
+def _preset(family: Family) -> dict[str, Any]:
+    """The key by which a sensor is a device, by name or by file."""
+    if family != "sensor":
+        return {}
+    names = [{"const": device.name, "description": device.description} for device in list_devices()]
+    return {"preset": {"anyOf": [*names, _FILE, {"type": "null"}]}}
 
 
 def _model(entry: dict[str, Any], defs: dict[str, Any]) -> dict[str, Any]:

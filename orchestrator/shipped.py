@@ -33,6 +33,10 @@ def robots_folder() -> Path:
     return scenarios_folder() / "robots"
 
 
+def devices_folder() -> Path:
+    return scenarios_folder() / "devices"
+
+
 def names_in(folder: Path) -> list[str]:
     """The names of a folder's YAML files, subfolders included: `corridor`, `paper/one`."""
     return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
@@ -40,7 +44,7 @@ def names_in(folder: Path) -> list[str]:
 
 def scenario_names() -> list[str]:
     """Every shipped scenario, those of suites too: `corridor`, `paper/rvo05-reactive_1d+_050`."""
-    return [name for name in names_in(scenarios_folder()) if not name.startswith("robots/")]
+    return [name for name in names_in(scenarios_folder()) if not name.startswith(("robots/", "devices/"))]
 
 
 def suite_names() -> list[str]:
@@ -64,6 +68,11 @@ def list_suites() -> list[Entry]:
 def list_robots() -> list[Entry]:
     """Every shipped robot model, with the first sentence of the comment that opens its file."""
     return [Entry(name, _opening_comment(robots_folder() / f"{name}.yaml")) for name in names_in(robots_folder())]
+
+
+def list_devices() -> list[Entry]:
+    """Every shipped device, a sensor's `preset`, with the first sentence of the comment that opens its file."""
+    return [Entry(name, _opening_comment(devices_folder() / f"{name}.yaml")) for name in names_in(devices_folder())]
 
 
 def list_components() -> dict[str, list[Entry]]:

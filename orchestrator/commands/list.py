@@ -8,15 +8,16 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from orchestrator.shipped import Entry, list_components, list_robots, list_scenarios, list_suites
+from orchestrator.shipped import Entry, list_components, list_devices, list_robots, list_scenarios, list_suites
 
 
 def print_list(as_json: bool) -> None:
-    """Print the shipped scenarios, robots and components."""
+    """Print the shipped scenarios, robots, devices and components."""
     groups: dict[str, list[Entry]] = {
         "scenarios": list_scenarios(),
         "suites": list_suites(),
         "robots": list_robots(),
+        "devices": list_devices(),
     } | list_components()
     if as_json:
         print(json.dumps({name: [entry._asdict() for entry in entries] for name, entries in groups.items()}))
