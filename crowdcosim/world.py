@@ -41,6 +41,8 @@ class World:
     """all walls, numbered from 1 in this order"""
     obstacles: tuple[Obstacle, ...] = ()
     """boxes, discs and polygons that nothing goes through, numbered on after the walls"""
+    ceiling: float | None = None
+    """height of a ceiling over everything, with lamps, seen by cameras; none: the open sky [m]"""
 
     @cached_property
     def period(self) -> NDArray[np.float64]:

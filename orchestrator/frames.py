@@ -15,7 +15,7 @@ from crowdcosim.messages import (
     Vector3,
 )
 from crowdcosim.setup import time_of
-from orchestrator.mounts import sensor_frames
+from orchestrator.mounts import optical_frames, sensor_frames
 from orchestrator.recorder import Channel, Record, record
 from orchestrator.scenario import Scenario
 
@@ -35,6 +35,8 @@ def static_records(scenario: Scenario) -> list[Record]:
             for name, mount in sensor_frames(spec, robots[spec.robot].model).items():
                 parent = f"{spec.robot}/base_link"
                 transforms.append(transform(parent, name, 0, mount.position, mount.yaw, mount.pitch))
+            for name, optical in optical_frames(spec, robots[spec.robot].model).items():
+                transforms.append(_optical(name, optical))
     return [record("/tf_static", 0, TFMessage(transforms=tuple(transforms)))]
 
 
@@ -48,6 +50,15 @@ def frame_records(time_ns: int, states: list[RobotState]) -> list[Record]:
         for s in states
     )
     return [clock, record("/tf", time_ns, TFMessage(transforms=transforms))]
+
+
+def _optical(camera: str, optical: str) -> TransformStamped:
+    """From a camera that looks along x to its optical frame: x right, y down, z ahead (REP 103)."""
+    return TransformStamped(
+        header=Header(stamp=time_of(0), frame_id=camera),
+        child_frame_id=optical,
+        transform=Transform(rotation=Quaternion(x=-0.5, y=0.5, z=-0.5, w=0.5)),
+    )
 
 
 def transform(

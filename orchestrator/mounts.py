@@ -20,11 +20,24 @@ def sensor_frames(spec: ComponentSpec, model: RobotModel) -> Mapping[str, Mount]
     Raises:
         ValueError: if the config names a mount that the robot does not have.
     """
-    if spec.use is None or "/" not in spec.name:
-        return {}
-    config = config_adapter(component_class(spec.use, "sensor")).validate_json(json.dumps(spec.config), strict=True)
+    config = _config(spec)
     frames: Mapping[str, Mount] = config.frames(model) if hasattr(config, "frames") else {}
     return {f"{spec.name}/{suffix}" if suffix else spec.name: mount for suffix, mount in frames.items()}
+
+
+def optical_frames(spec: ComponentSpec, model: RobotModel) -> Mapping[str, str]:
+    """Those of a sensor's frames that have an optical frame (REP 103), and what it is called: a camera's."""
+    if not getattr(_config(spec), "optical", False):
+        return {}
+    return {frame: f"{frame}_optical_frame" for frame in sensor_frames(spec, model)}
+
+
+def _config(spec: ComponentSpec) -> object:
+    """The config of a sensor of a class that we know, else None."""
+    if spec.use is None or "/" not in spec.name:
+        return None
+    adapter = config_adapter(component_class(spec.use, "sensor"))
+    return adapter.validate_json(json.dumps(spec.config), strict=True)
 
 
 def mount_problems(components: tuple[ComponentSpec, ...], robots: tuple[Robot, ...]) -> Iterator[Problem]:

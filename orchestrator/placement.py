@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from crowdcosim import goal
 from crowdcosim.messages import Goal
+from crowdcosim.obstacles import HEIGHT
 from crowdcosim.robots import Robot, Target
 from crowdcosim.world import Wall, World
 from orchestrator.problems import Problem, key_path
@@ -25,20 +26,23 @@ _UNIT = 1e-6
 def world_of(entry: WorldEntry) -> World:
     """The world with the walls that its boundary stands for, after its own."""
     walls = entry.walls + boundary(entry)
-    return World(size=entry.size, periodic=entry.periodic, walls=walls, obstacles=entry.obstacles)
+    return World(
+        size=entry.size, periodic=entry.periodic, walls=walls, obstacles=entry.obstacles, ceiling=entry.ceiling
+    )
 
 
 def boundary(entry: WorldEntry) -> tuple[Wall, ...]:
-    """Walls along the four edges; people pass where the world is periodic, and where they stop robots only."""
+    """Walls along the edges, up to the ceiling; people pass periodic ones, and those that stop robots only."""
     if entry.boundary == "none":
         return ()
     x, y = entry.size
+    height = entry.ceiling or HEIGHT
     stops_x, stops_y = (entry.boundary == "all" and not periodic for periodic in entry.periodic)
     return (
-        Wall(start=(0.0, 0.0), end=(x, 0.0), stops_people=stops_y),
-        Wall(start=(x, 0.0), end=(x, y), stops_people=stops_x),
-        Wall(start=(x, y), end=(0.0, y), stops_people=stops_y),
-        Wall(start=(0.0, y), end=(0.0, 0.0), stops_people=stops_x),
+        Wall(start=(0.0, 0.0), end=(x, 0.0), stops_people=stops_y, height=height),
+        Wall(start=(x, 0.0), end=(x, y), stops_people=stops_x, height=height),
+        Wall(start=(x, y), end=(0.0, y), stops_people=stops_y, height=height),
+        Wall(start=(0.0, y), end=(0.0, 0.0), stops_people=stops_x, height=height),
     )
 
 

@@ -23,12 +23,16 @@ SHIPPED: dict[Family, dict[str, str]] = {
         "wheels": "components.robot.wheels:Wheels",
     },
     "sensor": {
+        "color_camera": "components.sensors.camera:ColorCamera",
+        "depth_camera": "components.sensors.camera:DepthCamera",
         "detections": "components.sensors.detections:PeopleTracker",
         "encoders": "components.sensors.encoders:WheelEncoders",
         "imu": "components.sensors.imu:InertialUnit",
+        "labelled_camera": "components.sensors.camera:LabelledCamera",
         "lidar": "components.sensors.lidar:Lidar",
         "odometry": "components.sensors.odometry:Odometer",
         "point_cloud": "components.sensors.point_cloud:PointCloud",
+        "rgbd_camera": "components.sensors.camera:RGBDCamera",
         "ultrasound": "components.sensors.ultrasound:Ultrasound",
     },
     "controller": {

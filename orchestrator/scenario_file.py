@@ -111,6 +111,8 @@ class WorldEntry:
     """further walls"""
     obstacles: tuple[Obstacle, ...] = ()
     """boxes, discs and polygons that nothing goes through"""
+    ceiling: Positive | None = None
+    """height of a ceiling over everything, with lamps, seen by cameras; none: the open sky [m]"""
 
 
 @dataclass(frozen=True, kw_only=True)
