@@ -38,7 +38,7 @@ def load_attribute(use: str) -> Any:
     source, separator, name = use.rpartition(":")
     if not separator or not source or not name:
         raise ComponentError(f"'{use}' is not a component: expected 'package.module:Class' or './file.py:Class'")
-    module = _from_file(Path(source)) if source.endswith(".py") else _from_name(source)
+    module = load_file(Path(source)) if source.endswith(".py") else _from_name(source)
     found = getattr(module, name, None)
     if found is None:
         classes = [n for n, c in vars(module).items() if inspect.isclass(c) and c.__module__ == module.__name__]
@@ -57,7 +57,12 @@ def _from_name(name: str) -> ModuleType:
         raise ComponentError(f"importing '{name}' failed: {type(error).__name__}: {error}") from error
 
 
-def _from_file(path: Path) -> ModuleType:
+def load_file(path: Path) -> ModuleType:
+    """The module in a file; asked for twice, it is the same one.
+
+    Raises:
+        ComponentError: if there is no such file, or importing it fails.
+    """
     path = path.resolve()
     if not path.is_file():
         raise ComponentError(f"there is no file {path}")

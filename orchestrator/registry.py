@@ -40,6 +40,7 @@ SHIPPED: dict[Family, dict[str, str]] = {
         "dwa": "components.controllers.dwa:DWA",
         "mpc": "components.controllers.mpc:MPC",
         "mppi": "components.controllers.mppi:MPPI",
+        "python_robotics": "components.controllers.python_robotics:PythonRobotics",
         "rvo": "components.controllers.rvo:RVO",
         "social_force": "components.controllers.social_force:SocialForce",
         "ttc": "components.controllers.ttc:TTC",

@@ -20,7 +20,7 @@ def test_the_robot_takes_the_place_of_a_recorded_person(crowdcosim) -> None:
     assert outcome.json["outcome"] == "goal", outcome.json
 
 
-@pytest.mark.parametrize("name", ["my_controller", "plain_controller"])
+@pytest.mark.parametrize("name", ["my_controller", "plain_controller", "python_robotics"])
 def test_the_example_runs(crowdcosim, name) -> None:
     settings = ["end.time_limit=2", "crowd.config.count=10", "reference=false"]
     arguments = [part for setting in settings for part in ("--set", setting)]
