@@ -43,6 +43,11 @@ class Component:
 
     step: Callable[..., Any]
 
+    @classmethod
+    def with_options(cls, config: Any) -> type[Component]:
+        """The class whose `step` has the ports that these options ask for: this one, unless ports depend on them."""
+        return cls
+
     def reset(self, setup: Setup) -> Any:
         """Begin an episode. Called before the first step, and again for every further episode."""
 
@@ -212,11 +217,27 @@ def make(cls: type[Component], options: Mapping[str, Any]) -> Component:
     Raises:
         pydantic.ValidationError: if the options do not fit the config.
     """
-    # As JSON, strictly: lists become tuples, but "3" is no number.
-    config = config_adapter(cls).validate_json(json.dumps(dict(options)), strict=True)
+    config = _config(cls, options)
     if cls.__init__ is object.__init__:
         return cls()
-    return cls(config=config)  # type: ignore[call-arg]
+    return cls.with_options(config)(config=config)  # type: ignore[call-arg]
+
+
+def ports_with(cls: type[Component], options: Mapping[str, Any]) -> Ports:
+    """The ports of a component of this class with the options of the scenario.
+
+    Raises:
+        ComponentError: if the signature is not made of message types, or the options lead to none.
+        pydantic.ValidationError: if the options do not fit the config.
+    """
+    if cls.with_options.__func__ is Component.with_options.__func__:  # type: ignore[attr-defined]
+        return ports_of(cls)
+    return ports_of(cls.with_options(_config(cls, options)))
+
+
+def _config(cls: type[Component], options: Mapping[str, Any]) -> Any:
+    # As JSON, strictly: lists become tuples, but "3" is no number.
+    return config_adapter(cls).validate_json(json.dumps(dict(options)), strict=True)
 
 
 __all__ = [
@@ -235,5 +256,6 @@ __all__ = [
     "config_type",
     "make",
     "ports_of",
+    "ports_with",
     "snake_case",
 ]

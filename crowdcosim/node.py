@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from crowdcosim.bus import PROTOCOL, Bus, BusError, Label, Mailbox, Publisher
 from crowdcosim.cdr import decode, encode, type_hash
-from crowdcosim.component import Component, ComponentError, Ports, make, ports_of
+from crowdcosim.component import Component, ComponentError, Ports, make, ports_of, ports_with
 from crowdcosim.host import ComponentHost, Source, Wiring, blame
 from crowdcosim.loading import load_class
 from crowdcosim.message import Message, MessageError
@@ -119,7 +119,7 @@ class Node:
     def _answer(self, request: str, body: dict[str, Any]) -> dict[str, Any]:
         if request == "hello":
             self._class = load_class(self._use)
-            return describe(ports_of(self._class))
+            return describe(ports_with(self._class, body["config"]) if body else ports_of(self._class))
         if request == "configure":
             self._configure(body)
             return {}

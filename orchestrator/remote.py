@@ -90,10 +90,13 @@ class Remote:
 
     # --- handshake -----------------------------------------------------------------------------------------------
 
-    def hello(self) -> dict[str, Ports]:
-        """Wait until every component is there and says what it takes and gives."""
+    def hello(self, bodies: Mapping[str, str] | None = None) -> dict[str, Ports]:
+        """Wait until every component is there and says what it takes and gives.
+
+        `bodies` tells some of them what it depends on, their config.
+        """
         self._await_all("has not attached", self._have_attached)
-        answers = self._ask("hello", dict.fromkeys(self.components, "{}"))
+        answers = self._ask("hello", dict.fromkeys(self.components, "{}") | dict(bodies or {}))
         ports = {component: _ports(component, body) for component, body in answers.items()}
         for component, described in ports.items():
             for output in described.outputs:

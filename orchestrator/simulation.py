@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from crowdcosim.bus import Bus, BusError
-from crowdcosim.component import Component, ComponentError, Kind, Output, Ports, make, ports_of
+from crowdcosim.component import Component, ComponentError, Kind, Output, Ports, make, ports_with
 from crowdcosim.host import FOREVER, ComponentHost, Source, blame
 from crowdcosim.loading import load_class
 from crowdcosim.messages import Goal, Header
@@ -157,7 +157,7 @@ class Simulation:
         return remote
 
     def _wire(self) -> Graph:
-        told = self._remote.hello() if self._remote else {}
+        told = self._remote.hello(self._options()) if self._remote else {}
         for name, ports in told.items():
             wanted = kind_of_place(self._specs[name])
             if ports.kind != wanted:
@@ -167,12 +167,17 @@ class Simulation:
                 name=spec.name,
                 robot=spec.robot,
                 every=spec.every,
-                ports=told[spec.name] if spec.name in told else ports_of(load_class(spec.use or "")),
+                ports=told[spec.name] if spec.name in told else ports_of_spec(spec),
                 inputs=spec.inputs,
             )
             for spec in self.scenario.components
         ]
         return connected(self.scenario, members)
+
+    def _options(self) -> dict[str, str]:
+        """What our own processes are told before they say their ports, which may depend on it."""
+        specs = [spec for spec in self.scenario.components if spec.host == "process"]
+        return {spec.name: json.dumps({"config": dict(spec.config)}) for spec in specs}
 
     def _inline_host(self, spec: ComponentSpec) -> ComponentHost:
         assert spec.use is not None
@@ -211,6 +216,19 @@ class Simulation:
             "setup": TypeAdapter(Setup).dump_python(self.setup(spec.name), mode="json"),
         }
         return json.dumps(body)
+
+
+def ports_of_spec(spec: ComponentSpec) -> Ports:
+    """What a component of a class that is known here takes and gives, with its options.
+
+    Raises:
+        ScenarioError: if its options lead to no ports.
+    """
+    assert spec.use is not None
+    try:
+        return ports_with(load_class(spec.use), spec.config)
+    except ComponentError as error:
+        raise ScenarioError([spec.problem(str(error), "config")]) from None
 
 
 def kind_of_place(spec: ComponentSpec) -> Kind:

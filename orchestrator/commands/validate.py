@@ -6,11 +6,9 @@ import json
 
 from rich.console import Console
 
-from crowdcosim.component import ports_of
-from crowdcosim.loading import load_class
 from orchestrator.controller_choice import controller_settings
 from orchestrator.scenario import Scenario, load
-from orchestrator.simulation import connected
+from orchestrator.simulation import connected, ports_of_spec
 from orchestrator.wiring import Graph, Member
 
 
@@ -43,7 +41,7 @@ def wire(scenario: Scenario) -> Graph:
             name=spec.name,
             robot=spec.robot,
             every=spec.every,
-            ports=ports_of(load_class(spec.use or "")),
+            ports=ports_of_spec(spec),
             inputs=spec.inputs,
         )
         for spec in scenario.components

@@ -102,6 +102,34 @@ def test_native_motors_and_both_fmus_give_the_same_log(crowdcosim, scenario) -> 
 
 
 @has_compiler
+def test_an_fmu_is_a_controller_inline_and_in_a_process(crowdcosim, scenario) -> None:
+    """A wheel as a filter: what it is asked for is the goal's x, and the speed that it reaches becomes the command."""
+    assert crowdcosim("fmu", "build", "--out", "fmus").code == 0
+    controller = """
+robots:
+  robot:
+    controller:
+      use: components.robot.fmu_component:FmuController
+      host: HOST
+      config:
+        file: ./fmus/WheelDrive_fmi3.fmu
+        inputs:
+          left_command: goal.position[0]
+          right_command: odometry.twist.twist.linear.x
+        outputs: {left_speed: {field: twist.linear.x, factor: 0.02}}
+"""
+    hashes = set()
+    for host in ("inline", "process"):
+        text = "host: inline\nreference: false\nend: {time_limit: 2}\n" + controller.replace("HOST", host)
+        outcome = crowdcosim("run", scenario(text, host), "--out", f"out-{host}", "--json")
+        assert outcome.code == 0, outcome.stderr
+        hashes.add(outcome.json["data_hash"])
+    log = read_log(crowdcosim.folder / "out-process" / "episode.mcap")
+    assert "robot/controller/WheelDrive_fmi3.fmu" in log.attachments
+    assert len(hashes) == 1
+
+
+@has_compiler
 def test_an_fmu_that_crashes_is_named_with_its_signal(crowdcosim, scenario) -> None:
     faulty(crowdcosim.folder, "crash", 205)  # ten communication steps per tick
     path = scenario(drive("fmu: ./broken.fmu") + "reference: false\n")

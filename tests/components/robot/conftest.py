@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from components.robot.fmu_build import MODEL, compile_library, find_compiler, source_files, write_archive
+from components.robot.fmu_file import LIBRARY_SUFFIX, PLATFORM
 from components.robot.kinematic import Kinematic
 from components.robot.robot_step import RobotStep
 from crowdcosim.component import Mover
@@ -27,6 +30,7 @@ TURTLEBOT = RobotModel(
     max_angular_acceleration=10.0,
     base=Differential(wheel_radius=0.035, track=0.230),
 )
+FAULTY = (Path(__file__).parent / "faulty_drive.c").read_text()
 OPEN = World(size=(50.0, 10.0))
 
 
@@ -101,3 +105,33 @@ def people() -> Callable[..., Crowd]:
 @pytest.fixture(scope="session")
 def turtlebot() -> RobotModel:
     return TURTLEBOT
+
+
+@pytest.fixture(scope="module")
+def own_cache(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def foreign(tmp_path_factory, own_cache):
+    """Writes an FMU whose wheels follow at once, with torques of 1 N m, with a fault, or with names of its own."""
+
+    libraries = {}
+
+    def write(fault="none", at=0, names=None, attributes=""):
+        files = source_files("3")
+        files["sources/wheel_drive.c"] = f'#define FAULT "{fault}"\n#define AT {at}\n{FAULTY}'.encode()
+        if (fault, at) not in libraries:
+            libraries[fault, at] = compile_library(files, "3", find_compiler())
+        xml = files["modelDescription.xml"].decode()
+        for old, new in (names or {}).items():
+            xml = xml.replace(f'name="{old}"', f'name="{new}"')
+        xml = xml.replace("<CoSimulation ", f"<CoSimulation {attributes} ")
+        path = tmp_path_factory.mktemp("fmu") / "Foreign.fmu"
+        files["modelDescription.xml"] = xml.encode()
+        write_archive(path, files | {f"binaries/{PLATFORM['3']}/{MODEL}{LIBRARY_SUFFIX}": libraries[fault, at]})
+        return path
+
+    return write

@@ -6,53 +6,24 @@ import math
 import re
 import shutil
 from dataclasses import asdict
-from pathlib import Path
 
 import pytest
 
-from components.robot.fmu_build import MODEL, built_in, compile_library, find_compiler, source_files, write_archive
+from components.robot.fmu_build import built_in
 from components.robot.fmu_drive import FmuMotors
-from components.robot.fmu_file import LIBRARY_SUFFIX, PLATFORM, FmuError
+from components.robot.fmu_file import FmuError
 from components.robot.fmu_parts import Variable, Variables
 from components.robot.motor import TURTLEBOT2, Motor, NativeMotors, compliance
 
-pytestmark = pytest.mark.skipif(
-    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="building an FMU needs a C compiler"
-)
-FAULTY = (Path(__file__).parent / "faulty_drive.c").read_text()
+pytestmark = [
+    pytest.mark.usefixtures("own_cache"),
+    pytest.mark.skipif(
+        not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="building an FMU needs a C compiler"
+    ),
+]
 H = 0.01
 NO_LOAD = (0.0, 0.0)
 RPM = 2.0 * math.pi / 60.0
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _own_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
-@pytest.fixture(scope="module")
-def foreign(tmp_path_factory):
-    """Writes an FMU whose wheels follow at once, with torques of 1 N m, with a fault, or with names of its own."""
-
-    libraries = {}
-
-    def write(fault="none", at=0, names=None, attributes=""):
-        files = source_files("3")
-        files["sources/wheel_drive.c"] = f'#define FAULT "{fault}"\n#define AT {at}\n{FAULTY}'.encode()
-        if (fault, at) not in libraries:
-            libraries[fault, at] = compile_library(files, "3", find_compiler())
-        xml = files["modelDescription.xml"].decode()
-        for old, new in (names or {}).items():
-            xml = xml.replace(f'name="{old}"', f'name="{new}"')
-        xml = xml.replace("<CoSimulation ", f"<CoSimulation {attributes} ")
-        path = tmp_path_factory.mktemp("fmu") / "Foreign.fmu"
-        files["modelDescription.xml"] = xml.encode()
-        write_archive(path, files | {f"binaries/{PLATFORM['3']}/{MODEL}{LIBRARY_SUFFIX}": libraries[fault, at]})
-        return path
-
-    return write
 
 
 def motors(file, variables=None, parameters=None):
