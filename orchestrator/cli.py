@@ -227,6 +227,21 @@ def bench(
 
 
 @app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a sweep, or of one run.")],
+    as_json: Json = False,
+) -> None:
+    """Write a page about a sweep, with tables, figures, tests and the paper's claims; or about one run.
+
+    Example: `crowdcosim report runs/paper`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.report import print_report
+
+        print_report(folder, as_json)
+
+
+@app.command()
 def generate(
     suite: Annotated[str, typer.Argument(help="`paper`, `paper-extra`, `smoke`, `robots`, `crowds`.")],
     out: Annotated[Path | None, typer.Option(help="Folder for the files; by default one of the suite's name.")] = None,

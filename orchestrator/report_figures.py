@@ -98,7 +98,7 @@ def map_figure(data: EpisodeData) -> str:
                 label="robot's speed [m/s]",
             )
             bar.outline.set_visible(False)
-        return _svg(figure, "map")
+        return svg(figure, "map")
 
 
 def time_figure(robot: RobotTrack, number: int) -> str:
@@ -130,7 +130,7 @@ def time_figure(robot: RobotTrack, number: int) -> str:
             axes[2].text(0.5, 0.5, "nobody", transform=axes[2].transAxes, color=MUTED, ha="center", va="center")
         axes[2].set_xlabel("time [s]")
         figure.align_ylabels(axes)
-        return _svg(figure, f"time{number}")
+        return svg(figure, f"time{number}")
 
 
 def _speed_norm(data: EpisodeData) -> BoundaryNorm:
@@ -256,7 +256,7 @@ def _draw_robot(ax: Axes, robot: RobotTrack, time: float, *, label: bool) -> Non
         )
 
 
-def _svg(figure: Figure, name: str) -> str:
+def svg(figure: Figure, name: str) -> str:
     """The figure as an `<svg>` element; `name` keeps its ids apart from those of the page's other figures."""
     buffer = io.StringIO()
     with matplotlib.rc_context({"svg.hashsalt": name}):

@@ -120,6 +120,8 @@ def _factors(scenario: Scenario) -> dict[str, Any]:
         "reactive": crowd.get("reactive"),
         "flow": crowd.get("flow"),
         "people": people,
+        "world_x": scenario.world.size[0],
+        "world_y": scenario.world.size[1],
         "density": round(people / (scenario.world.size[0] * scenario.world.size[1]), 3),
     }
 
