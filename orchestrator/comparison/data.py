@@ -129,7 +129,9 @@ def load(folder: Path) -> Comparison:
     for column in ("time", "arrived", "controller", "scenario"):
         if column not in results.columns:
             raise InputError(f"the results in {folder} have no column '{column}': they are not those of a bench")
-    results = results.sort(EPISODE)
+    # A CSV column without any value says nothing about its type.
+    names = [metric.name for metric in METRICS if metric.name in results.columns]
+    results = results.with_columns(pl.col(names).cast(pl.Float64)).sort(EPISODE)
     if "policy" in results.columns:
         named = [
             behaviour(str(p), h, bool(r)) if p is not None else None
