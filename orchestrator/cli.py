@@ -258,6 +258,27 @@ def generate(
 
 
 @app.command()
+def draw(
+    log: LogFile,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="A .png, .svg or .pdf, or a film: .gif or .mp4. By default trajectories.png beside the log."),
+    ] = None,
+    begin: Annotated[float | None, typer.Option("--from", metavar="SECONDS", help="Leave out what was before.")] = None,
+    end: Annotated[float | None, typer.Option("--to", metavar="SECONDS", help="Leave out what came after.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Draw a run from above: everybody's way coloured by time, or a film of it.
+
+    Example: `crowdcosim draw runs/latest --out crowd.gif --to 20`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.draw import print_drawing
+
+        print_drawing(_log_file(log), out, begin, end, as_json)
+
+
+@app.command()
 def tracks(
     scenario: Scenario,
     settings: Settings = None,
