@@ -27,6 +27,8 @@ from orchestrator.simulation import Simulation
 
 HEAD = ("flow", "people", "reactive", "controller", "arrived", "time", "touching", "< 0.2 m", "f_c", "median", "p99")
 UNITS = ("", "", "", "", "", "s", "% of time", "% of time", "1/s", "ms", "ms")
+CONTROLLERS = sorted(set(SHIPPED["controller"]) - {"onnx", "python_robotics"})
+"""all that need no file"""
 DANGER = 0.2
 """gap below which somebody is near [m]"""
 
@@ -62,7 +64,7 @@ def main() -> None:
 def arguments() -> argparse.Namespace:
     """What to measure."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--controllers", nargs="+", default=sorted(SHIPPED["controller"]))
+    parser.add_argument("--controllers", nargs="+", default=CONTROLLERS)
     parser.add_argument("--flows", nargs="+", default=["1d-"])
     parser.add_argument("--people", nargs="+", type=int, default=[50, 200, 350])
     parser.add_argument("--reactive", nargs="+", default=["false", "true"], choices=["false", "true"])

@@ -28,6 +28,9 @@ class Config:
     speed: float | None = None
     """cruise speed, None for the robot's maximum [m/s]"""
 
+    steer: bool = True
+    """turn to the goal; False: drive straight on, wherever the goal is, as the benchmark's authors did"""
+
     def __post_init__(self) -> None:
         if self.speed is not None and not self.speed > 0:
             raise ValueError(f"speed is {self.speed}, expected a positive number")
@@ -57,5 +60,7 @@ class Baseline(Controller):
         way = way_to(goal, ego)
         if way is None:
             return command(0.0, 0.0)
+        if not self._config.steer:
+            return command(self._speed, 0.0)
         error = heading_error(way.bearing, ego.heading)
         return command(self._speed if abs(error) < MAX_ERROR else 0.0, turn(error, self._max_turn_rate))

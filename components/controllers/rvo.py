@@ -1,4 +1,4 @@
-"""Optimal reciprocal collision avoidance (ORCA), mapped to a differential drive that brakes rather than flees.
+"""Optimal reciprocal collision avoidance (ORCA) for a differential drive, by default one that brakes rather than flees.
 
 Each neighbour takes a half-plane from the robot's velocities: with u the least change that brings the relative
 velocity out of the cone of velocities that collide within tau, the robot takes half of it,
@@ -6,31 +6,40 @@ velocity out of the cone of velocities that collide within tau, the robot takes 
     (v - (v_robot + u / 2)) . n >= 0,  n the outward normal of the cone there.
 
 A wall at distance d with normal n leaves  v . n <= (d - r) / tau_wall. Among what is left, ORCA's linear programs give
-the velocity V nearest to the preferred one, v_pref, which is straight at the goal (`half_planes.py`). Then
+the velocity V nearest to the preferred one, v_pref, which is straight at the goal (`half_planes.py`). Then, as `drive`
+says, with e from the heading to V,
 
-    V <- V without its part against v_pref,  v = max(0, |V| cos e),  omega = 2 e,  e from the heading to V.
+    brake     V <- V without its part against v_pref,  v = max(0, |V| cos e),  omega = 2 e
+    nh_orca   v = |V| e sin e / (2 (1 - cos e)),  omega = e / T:  the arc that is where V leads to after T
+    orca_dd   v = V_forward,  omega = V_left / D:  a point D ahead of the axle moves at V
+    heading   v = |V|,  omega = e / 1 s
 
-van den Berg, Guy, Lin, Manocha, "Reciprocal n-body collision avoidance", ISRR 2009, section 4.
+van den Berg, Guy, Lin, Manocha, "Reciprocal n-body collision avoidance", ISRR 2009, section 4. nh_orca: Alonso-Mora,
+Breitenmoser, Rufli, Beardsley, Siegwart, "Optimal reciprocal collision avoidance for multiple non-holonomic robots",
+DARS 2010, equations (4) and (5). orca_dd: Snape, van den Berg, Guy, Manocha, "Smooth and collision-free navigation for
+multiple robots under differential-drive constraints", IROS 2010, section III. heading: as the authors of the benchmark
+drove RVO2 (`rvo_crowdbot.py`).
 
 Not in the paper: a margin around the robot; all of u, not half of it, for a neighbour who stands and so avoids nobody;
 a neighbour straight ahead on the way to the goal counts as a little to one side, since exact symmetry makes ORCA stop
 and wait for good; v never so large that the robot, which moves along its heading and not along V, would break the
-half-plane of a wall or of somebody who stands.
+half-plane of a wall or of somebody who stands (brake only).
 Differs from the paper: the half-plane of a wall lies across the line of sight to its nearest point; the robot is not
-holonomic. Exact mappings to a differential drive (a point ahead of the axle; a larger radius) back away from a dense
-crowd that comes towards the robot; this one waits, turns, and then drives.
+holonomic, and all but brake back away from a dense crowd that comes towards the robot: brake waits, turns, and then
+drives. nh_orca enlarges the body by `error`, but does not bound V to the velocities that it follows within that error.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from components.controllers.differential import STANDING, drive, without_retreat
 from components.controllers.ego import Ego, command, ego_of, heading_error, turn, way_to
 from components.controllers.half_planes import best_velocity, escape
 from components.controllers.sight import People, Sight
@@ -44,8 +53,6 @@ AT_REST = 0.1
 """speed below which a neighbour stands [m/s]"""
 OFF_AXIS = 0.01
 """least distance of a neighbour from the line through the robot along the way to the goal [m]"""
-STANDING = 1e-6
-"""speed below which a velocity has no direction [m/s]"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,14 +74,33 @@ class Config:
     share: float = 0.5
     """how much of the avoidance of somebody who walks the robot takes; half is reciprocal, 1 is all of it"""
 
+    drive: Literal["brake", "nh_orca", "orca_dd", "heading"] = "brake"
+    """how the robot follows the velocity that ORCA asks for"""
+    catch_up: float = 0.4
+    """T of `nh_orca` [s]"""
+    error: float = 0.05
+    """of `nh_orca`: distance from V's way that the arc may have, added to the radius [m]"""
+    lead: float = 0.15
+    """D of `orca_dd`, how far ahead of the axle the point is that moves at V, added to the radius [m]"""
+    radius: float | None = None
+    """of the robot, None for its own [m]"""
+    person_radius: float | None = None
+    """of everybody, None for their own [m]"""
+    overlap_time: float | None = None
+    """within which to part from who is touched, None for one period [s]"""
+
     def __post_init__(self) -> None:
-        for name in ("horizon", "wall_horizon", "range"):
+        for name in ("radius", "person_radius", "overlap_time"):
+            if getattr(self, name) is not None and not getattr(self, name) > 0:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
+        for name in ("horizon", "wall_horizon", "range", "catch_up", "lead"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
         if not self.neighbours >= 0:
             raise ValueError(f"neighbours is {self.neighbours}, expected zero or more")
-        if not self.margin >= 0:
-            raise ValueError(f"margin is {self.margin}, expected zero or more")
+        for name in ("margin", "error"):
+            if not getattr(self, name) >= 0:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected zero or more")
         if not 0 <= self.share <= 1:
             raise ValueError(f"share is {self.share}, expected 0 to 1")
 
@@ -88,7 +114,7 @@ class Avoidance(NamedTuple):
     range: float
     share: float
     dt: float
-    """period [s]"""
+    """within which to part from who is touched [s]"""
     body: float
     """radius with margin [m]"""
     max_speed: float
@@ -107,18 +133,18 @@ class RVO(Controller):
         self._walls = frozen(setup.world.segments)
         self._period = frozen(setup.world.period)
         self._max_turn_rate = model.max_angular_velocity
+        extra = {"nh_orca": config.error, "orca_dd": config.lead}.get(config.drive, 0.0)
         self._avoidance = Avoidance(
             horizon=config.horizon,
             wall_horizon=config.wall_horizon,
             neighbours=config.neighbours,
             range=config.range,
             share=config.share,
-            dt=setup.dt,
-            body=model.radius + config.margin,
+            dt=config.overlap_time or setup.dt,
+            body=(config.radius or model.radius) + config.margin + extra,
             max_speed=model.max_speed,
         )
-        nobody = discs_of(Crowd(), (), "")
-        safe_velocity(Ego(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, nobody, self._walls, self._period, self._avoidance)
+        self._decide(Ego(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, discs_of(Crowd(), (), ""))
 
     def step(
         self,
@@ -134,28 +160,60 @@ class RVO(Controller):
         discs = self._sight.discs(ego, odometry.header, crowd, others, detections)
         if way is None:
             return command(0.0, 0.0)
-        bearing = way.bearing
-        speed, direction = safe_velocity(ego, bearing, discs, self._walls, self._period, self._avoidance)
-        return command(speed, turn(heading_error(direction, ego.heading), self._max_turn_rate))
+        if self._config.person_radius is not None:
+            discs = discs._replace(radius=frozen(np.full(len(discs.radius), self._config.person_radius)))
+        speed, turn_rate = self._decide(ego, way.bearing, discs)
+        return command(speed, max(-self._max_turn_rate, min(self._max_turn_rate, turn_rate)))
+
+    def _decide(self, ego: Ego, bearing: float, discs: Discs) -> tuple[float, float]:
+        """Speed [m/s] and turn rate [rad/s], which may be more than the robot can do."""
+        config, cos, sin = self._config, math.cos(ego.heading), math.sin(ego.heading)
+        vx, vy, point = ego.speed * cos, ego.speed * sin, ego
+        if config.drive == "orca_dd":
+            along = ego.turn_rate * config.lead
+            vx, vy = vx - along * sin, vy + along * cos
+            point = ego._replace(x=ego.x + config.lead * cos, y=ego.y + config.lead * sin)
+        x, y, planes, binding = safe_velocity(point, vx, vy, bearing, discs, self._walls, self._period, self._avoidance)
+        if config.drive == "brake":
+            speed, direction = brake(ego.heading, bearing, x, y, planes, binding)
+            return speed, turn(heading_error(direction, ego.heading), self._max_turn_rate)
+        if config.drive == "orca_dd":
+            return x * cos + y * sin, (y * cos - x * sin) / config.lead
+        error = heading_error(math.atan2(y, x), ego.heading) if math.hypot(x, y) > STANDING else 0.0
+        if config.drive == "heading":
+            return math.hypot(x, y), error
+        # e sin e / (2 (1 - cos e)) is e / (2 tan(e / 2)), and 1 straight ahead.
+        share = 0.5 * error / math.tan(0.5 * error) if error else 1.0
+        return math.hypot(x, y) * share, error / config.catch_up
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def safe_velocity(
-    ego: Ego, bearing: float, discs: Discs, walls: Array, period: Array, avoidance: Avoidance
-) -> tuple[float, float]:
-    """How fast to drive along the heading [m/s], and the direction to turn to [rad].
+    ego: Ego,
+    vx: float,
+    vy: float,
+    bearing: float,
+    discs: Discs,
+    walls: Array,
+    period: Array,
+    avoidance: Avoidance,
+) -> tuple[float, float, Array, NDArray[np.bool_]]:
+    """The velocity V nearest to the preferred one.
 
     Args:
-        ego: pose and speed of the robot.
+        ego: position of the robot.
+        vx: its velocity [m/s].
+        vy: [m/s]
         bearing: direction of the goal [rad].
         discs: people and other robots.
         walls: (W, 2, 2) both ends of every wall [m].
         period: (2,) period of each axis, 0 for none [m].
         avoidance: options and limits.
+
+    Returns:
+        V [m/s]; (P, 3) the half-planes n_x, n_y, b: n . v <= b [m/s]; (P,) which are of walls or of who stands.
     """
     ahead_x, ahead_y = math.cos(bearing), math.sin(bearing)
-    facing_x, facing_y = math.cos(ego.heading), math.sin(ego.heading)
-    vx, vy = ego.speed * facing_x, ego.speed * facing_y
     planes = np.empty((len(walls) + avoidance.neighbours, 3))
     binding = np.zeros(len(planes), np.bool_)
     hard = _put_wall_planes(ego, walls, avoidance, planes)
@@ -176,17 +234,30 @@ def safe_velocity(
         planes[hard + k] = -nx, -ny, -(nx * (vx + share * ux) + ny * (vy + share * uy))
     max_speed = avoidance.max_speed
     x, y = best_velocity(planes[: hard + count], hard, max_speed, max_speed * ahead_x, max_speed * ahead_y)
-    back = min(0.0, x * ahead_x + y * ahead_y)
-    x, y = x - back * ahead_x, y - back * ahead_y
-    if math.hypot(x, y) < STANDING:
-        return 0.0, ego.heading
-    # |V| cos e
-    speed = max(0.0, x * facing_x + y * facing_y)
-    for k in range(hard + count):
+    return x, y, planes[: hard + count], binding[: hard + count]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def brake(
+    heading: float, bearing: float, x: float, y: float, planes: Array, binding: NDArray[np.bool_]
+) -> tuple[float, float]:
+    """How fast to drive along the heading [m/s], and the direction to turn to [rad], for V = (x, y) [m/s].
+
+    Args:
+        heading: of the robot [rad].
+        bearing: direction of the goal [rad].
+        x: V [m/s].
+        y: [m/s]
+        planes: half-planes as `safe_velocity` gives them.
+        binding: which of them the speed along the heading must obey.
+    """
+    speed, direction = drive(*without_retreat(x, y, bearing), heading)
+    facing_x, facing_y = math.cos(heading), math.sin(heading)
+    for k in range(len(planes)):
         closing = planes[k, 0] * facing_x + planes[k, 1] * facing_y
         if binding[k] and closing > 0.0:
             speed = min(speed, max(0.0, planes[k, 2]) / closing)
-    return speed, math.atan2(y, x)
+    return speed, direction
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
