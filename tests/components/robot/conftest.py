@@ -49,6 +49,7 @@ class Bodies:
             Robot(name=f"robot{n}", number=n, model=model, start=start, goal=Target(x=0.0, y=0.0))
             for n, start in enumerate(starts, 1)
         )
+        self.robots = robots
         self.components: list[Any] = [drive() for _ in robots]
         self.last: list[RobotStep] = [
             body.reset(Setup(component=robot.name, period=period, seed=1, world=world, robots=robots, robot=robot.name))
