@@ -41,6 +41,7 @@ class Session:
         seed: int | None = None,
         dt: float | None = None,
         latency: float | Literal["measured"] = 0.0,
+        reference: Reference | None = None,
         alone: bool = False,
         real_time: float | None = None,
         record: str | Path | None = None,
@@ -55,6 +56,7 @@ class Session:
             seed: in place of the scenario's.
             dt: time step in place of the scenario's [s].
             latency: commands take effect so much later [s], or after the time you took for them: `measured`.
+            reference: what the evaluator compares with: robot -> metric -> value in a run without people.
             alone: the first episode is one without people, as in `reset`.
             real_time: pace, in simulated seconds per second; None runs as fast as it can.
             record: folder into which each episode's log is written; None writes none.
@@ -75,7 +77,16 @@ class Session:
         self.result: Result | None = None
         """what became of the episode; None while it is not over"""
         try:
-            self.load(scenario, settings, commanded=commanded, seed=seed, dt=dt, latency=latency, alone=alone)
+            self.load(
+                scenario,
+                settings,
+                commanded=commanded,
+                seed=seed,
+                dt=dt,
+                latency=latency,
+                reference=reference,
+                alone=alone,
+            )
         except BaseException:
             self.close()
             raise
@@ -89,6 +100,7 @@ class Session:
         seed: int | None = None,
         dt: float | None = None,
         latency: float | Literal["measured"] = 0.0,
+        reference: Reference | None = None,
         alone: bool = False,
     ) -> View:
         """Switch to another scenario and begin an episode of it; the arguments are those of `Session`."""
@@ -101,7 +113,7 @@ class Session:
         self.commanded = robots_to_command(loaded, [commanded] if isinstance(commanded, str) else list(commanded))
         """the robots that wait for commands"""
         self.scenario = load(scenario, [*own, *(s for robot in self.commanded for s in take_over(robot, latency))])
-        self._reference = None
+        self._reference = reference
         self._open()
         return self.reset(alone=alone)
 
