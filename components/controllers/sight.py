@@ -77,10 +77,8 @@ class Sight:
         return self._points(ego, _connected(scan, "scan", "LaserScan", "scan"))
 
     def _followed(self, ego: Ego, header: Header, detections: Detections) -> Discs:
-        """Everybody who is followed, by the reporter where it does so, else by the tracker."""
+        """Everybody who is followed from detection to detection, also if the reporter has missed them just now."""
         position, velocity = _in_map(ego, detections)
-        if detections.track.all() and len(detections.track):
-            return _discs(position, velocity, detections.radius)
         now, seen = nanoseconds_of(header.stamp), nanoseconds_of(detections.header.stamp)
         if self._now >= 0:
             self._tracker.predict((now - self._now) * 1e-9)
