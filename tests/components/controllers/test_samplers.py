@@ -9,12 +9,16 @@ import pytest
 
 from components.controllers import mppi, social_force, ttc
 from components.controllers.differential import Limits, Motion, advance
+from components.controllers.dwa import DWA
 from components.controllers.ego import Ego
+from components.controllers.mpc import MPC
 from components.controllers.mppi import MPPI
 from components.controllers.prediction import Tracks
+from components.controllers.rvo import RVO
 from components.controllers.social_force import Forces, SocialForce, repulsion
 from components.controllers.ttc import STEP, TTC, first_contact
 from crowdcosim.component import make
+from crowdcosim.obstacles import Box
 from crowdcosim.world import Wall, World
 
 ALL = [MPPI, SocialForce, TTC]
@@ -194,3 +198,30 @@ def test_mppi_changes_its_turn_rate_smoothly(scene):
 def test_options_that_mean_nothing_are_refused(module, option, value):
     with pytest.raises(ValueError, match=rf"{option} is .*, expected"):
         module.Config(**{option: value})
+
+
+@pytest.mark.parametrize("cls", [DWA, MPC, MPPI, RVO, TTC])
+def test_a_pillar_in_the_way_is_passed_without_touching_it(scene, cls):
+    pillar = Box(shape="box", centre=(8.0, 5.2), size=(0.6, 0.6), yaw=0.3)
+    world = World(size=(50.0, 10.0), obstacles=(pillar,))
+    controller = controller_of(cls, scene, world)
+    x, y, theta, v, omega = 5.0, 5.0, 0.0, 0.0, 0.0
+    for _ in range(150):
+        result = controller.step(
+            odometry=scene.odometry(x, y, theta, v, omega), goal=scene.line(12.0), crowd=scene.crowd(), others=()
+        )
+        twist = getattr(result, "twist", result)
+        motion = advance(Motion(x, y, theta, v, omega), twist.linear.x, twist.angular.z, 0.1, LIMITS)
+        x, y, theta, v, omega = motion
+        along, across = _seen_from(pillar, x, y)
+        gap = math.hypot(max(0.0, abs(along) - 0.3), max(0.0, abs(across) - 0.3)) - scene.model.radius
+        assert gap > 0.0
+        if x >= 12.0:
+            break
+    assert x >= 12.0
+
+
+def _seen_from(box, x, y):
+    dx, dy = x - box.centre[0], y - box.centre[1]
+    cos, sin = math.cos(box.yaw), math.sin(box.yaw)
+    return cos * dx + sin * dy, cos * dy - sin * dx
