@@ -129,12 +129,17 @@ def move(scene: Scene, acceleration: Array) -> tuple[Array, Array]:
         scene.radius,
         scene.robots,
         scene.pushed_by_robots,
-        scene.walls.within(max(WALL_REACH, float(np.ceil(scene.radius.max(initial=0.0))))),
+        scene.walls.within(_wall_reach(scene)),
         scene.period,
         scene.max_speed,
         scene.max_acceleration,
         scene.dt,
     )
+
+
+def _wall_reach(scene: Scene) -> float:
+    """How far walls are looked for: whole metres, so that few grids are made."""
+    return max(WALL_REACH, float(math.ceil(scene.radius.max(initial=0.0)))) if len(scene.walls) else WALL_REACH
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

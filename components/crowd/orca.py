@@ -65,6 +65,8 @@ class Orca:
 
     def _reach(self, scene: Scene) -> float:
         """How far walls are looked for: whole metres, so that few grids are made."""
+        if not len(scene.walls):
+            return RANGE
         fastest, largest = scene.max_speed.max(initial=0.0), scene.radius.max(initial=0.0)
         return float(math.ceil(np.max(self.time_horizon, initial=0.0) * fastest + largest))
 
