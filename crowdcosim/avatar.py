@@ -36,6 +36,10 @@ REACH = 0.5
 """no part of a body is farther than this from the person's position, over stature, as seen from above"""
 
 CAPSULES = len(body.SEGMENTS)
+LEGS = 6
+"""the first capsules: feet, shanks and thighs"""
+LEGS_ONLY = 0.2
+"""no other part of a body is lower than this, over stature"""
 _RADII = tuple(body.RADIUS.tolist())
 _FOOT, _SHANK, _THIGH, _PELVIS, _TRUNK, _NECK, _HEAD, _UPPER_ARM, _FOREARM, _HAND = (
     next(i for i, segment in enumerate(body.SEGMENTS) if segment.endswith(name))
@@ -102,6 +106,21 @@ class Foot(NamedTuple):
     sin: float
 
 
+class Step(NamedTuple):
+    """One person on both feet, or on one of them."""
+
+    cycle: Cycle
+    wave: float
+    """cosine of the phase"""
+    sway: float
+    """of the hips to the left"""
+    hip_z: float
+    """above the floor"""
+    yaw_cos: float
+    """of the pelvis"""
+    yaw_sin: float
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def pose(position: Array, velocity: Array, heading: Array, stature: Array, gait_phase: Array) -> Array:
     """(N, 17, 7) capsules of N people: both ends (x, y, z) in the map, z up from the floor, and the radius [m].
@@ -137,31 +156,47 @@ def pose_one(
 ) -> None:
     """Write one person's capsules, as `pose` gives them, into `capsules`, (17, 7)."""
     cos, sin = math.cos(heading), math.sin(heading)
-    cycle = cycle_of(cos * vx + sin * vy, cos * vy - sin * vx, stature)
+    step = _stand(cos * vx + sin * vy, cos * vy - sin * vx, stature, gait_phase, capsules)
+    lean = 2.0 * _DEGREE * step.cycle.nu
+    _trunk(step.sway, step.hip_z, step.yaw_cos, step.yaw_sin, lean, capsules)
+    shoulder_x, shoulder_y = _SHOULDER_ASIDE * step.yaw_sin, _SHOULDER_ASIDE * step.yaw_cos
+    ahead, z = lean * _SHOULDER_ABOVE, step.hip_z + _SHOULDER_ABOVE
+    _arm(step.cycle, step.wave, 1.0, ahead + shoulder_x, step.sway + shoulder_y, z, 0, capsules)
+    _arm(step.cycle, -step.wave, -1.0, ahead - shoulder_x, step.sway - shoulder_y, z, 1, capsules)
+    _place(x, y, cos, sin, stature, CAPSULES, capsules)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def pose_legs(
+    x: float, y: float, vx: float, vy: float, heading: float, stature: float, gait_phase: float, capsules: Array
+) -> None:
+    """As `pose_one`, but only the first `LEGS` capsules, in half the time."""
+    cos, sin = math.cos(heading), math.sin(heading)
+    _stand(cos * vx + sin * vy, cos * vy - sin * vx, stature, gait_phase, capsules)
+    _place(x, y, cos, sin, stature, LEGS, capsules)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _stand(ahead: float, left: float, stature: float, gait_phase: float, capsules: Array) -> Step:
+    """Put the feet on the floor and the hips above them: write the legs."""
+    cycle = cycle_of(ahead, left, stature)
     wave_cos, wave_sin = math.cos(2.0 * math.pi * gait_phase), math.sin(2.0 * math.pi * gait_phase)
 
-    left = foot_at(cycle, gait_phase - math.floor(gait_phase), 1.0)
-    right = foot_at(cycle, gait_phase + 0.5 - math.floor(gait_phase + 0.5), -1.0)
+    left_foot = foot_at(cycle, gait_phase - math.floor(gait_phase), 1.0)
+    right_foot = foot_at(cycle, gait_phase + 0.5 - math.floor(gait_phase + 0.5), -1.0)
     sway = 0.128 * min(cycle.nu, 0.5) * (1.0 - min(cycle.nu, 0.5)) * HIP * _turned(wave_cos, wave_sin, 0.1)
     yaw = -4.0 * _DEGREE * cycle.nu * wave_cos
     yaw_cos, yaw_sin = math.cos(yaw), math.sin(yaw)
-    hip_x, hip_y = -_HIP_ASIDE * yaw_sin, _HIP_ASIDE * yaw_cos
+    x, y = -_HIP_ASIDE * yaw_sin, _HIP_ASIDE * yaw_cos
     rise = _turned(wave_cos * wave_cos - wave_sin * wave_sin, 2.0 * wave_cos * wave_sin, 0.35)
     hip_z = _soft_min(
-        _soft_min(_reach(left, hip_x, sway + hip_y), _reach(right, -hip_x, sway - hip_y), 0.001 + 0.012 * cycle.roll),
+        _soft_min(_reach(left_foot, x, sway + y), _reach(right_foot, -x, sway - y), 0.001 + 0.012 * cycle.roll),
         HIP * (1.0 + 0.015 * cycle.nu * (rise - 1.0)),
         0.001 + 0.012 * cycle.roll,
     )
-
-    _leg(left, 1.0, hip_x, sway + hip_y, hip_z, 0, capsules)
-    _leg(right, -1.0, -hip_x, sway - hip_y, hip_z, 1, capsules)
-    lean = 2.0 * _DEGREE * cycle.nu
-    _trunk(sway, hip_z, yaw_cos, yaw_sin, lean, capsules)
-    shoulder_x, shoulder_y = _SHOULDER_ASIDE * yaw_sin, _SHOULDER_ASIDE * yaw_cos
-    shoulder_z = hip_z + _SHOULDER_ABOVE
-    _arm(cycle, wave_cos, 1.0, lean * _SHOULDER_ABOVE + shoulder_x, sway + shoulder_y, shoulder_z, 0, capsules)
-    _arm(cycle, -wave_cos, -1.0, lean * _SHOULDER_ABOVE - shoulder_x, sway - shoulder_y, shoulder_z, 1, capsules)
-    _place(x, y, cos, sin, stature, capsules)
+    _leg(left_foot, 1.0, x, sway + y, hip_z, 0, capsules)
+    _leg(right_foot, -1.0, -x, sway - y, hip_z, 1, capsules)
+    return Step(cycle, wave_cos, sway, hip_z, yaw_cos, yaw_sin)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -336,10 +371,10 @@ def _arm(cycle: Cycle, wave: float, side: float, x: float, y: float, z: float, i
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _place(x: float, y: float, cos: float, sin: float, stature: float, capsules: Array) -> None:
-    """Turn the body's fractions of stature into metres of the map."""
+def _place(x: float, y: float, cos: float, sin: float, stature: float, count: int, capsules: Array) -> None:
+    """Turn the first capsules' fractions of stature into metres of the map."""
     cos, sin = stature * cos, stature * sin
-    for index in range(CAPSULES):
+    for index in range(count):
         for end in (0, 3):
             ahead, left = capsules[index, end], capsules[index, end + 1]
             capsules[index, end] = x + cos * ahead - sin * left

@@ -19,7 +19,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from components.sensors.capsule import Axis, holds_origin, in_slab, meets, outline
-from crowdcosim.avatar import CAPSULES, REACH, pose_one
+from crowdcosim.avatar import CAPSULES, LEGS, LEGS_ONLY, REACH, pose_legs, pose_one
 from crowdcosim.body import BODY_PART
 from crowdcosim.messages import BeamAgents
 
@@ -235,17 +235,27 @@ def _people(beams: Beams, pose: Pose, period: NDArray[np.float64], people: Peopl
         dx, dy = people.position[n, 0] - pose.x, people.position[n, 1] - pose.y
         west, east = _images(dx, reach, period[0])
         south, north = _images(dy, reach, period[1])
-        posed = False
+        count = 0
         for i in range(west, east + 1):
             for j in range(south, north + 1):
                 x, y = _in_sensor(pose, dx + i * period[0], dy + j * period[1])
                 if x * x + y * y > reach * reach or not _in_view(beams, x, y, REACH * stature):
                     continue
-                if not posed:
-                    vx, vy = people.velocity[n, 0], people.velocity[n, 1]
-                    pose_one(0.0, 0.0, vx, vy, people.heading[n], stature, people.gait_phase[n], capsules)
-                    posed = True
-                _person(beams, pose, x, y, people.id[n], capsules, hits)
+                if count == 0:
+                    count = _pose_at(pose.z, people, n, capsules)
+                _person(beams, pose, x, y, people.id[n], capsules[:count], hits)
+
+
+@njit(cache=True, nogil=True)
+def _pose_at(z: float, people: People, n: int, capsules: NDArray[np.float64]) -> int:
+    """Write the capsules of person `n`, around their own position, that may be at this height; their number."""
+    vx, vy, heading = people.velocity[n, 0], people.velocity[n, 1], people.heading[n]
+    stature, phase = people.stature[n], people.gait_phase[n]
+    if z < LEGS_ONLY * stature:
+        pose_legs(0.0, 0.0, vx, vy, heading, stature, phase, capsules)
+        return LEGS
+    pose_one(0.0, 0.0, vx, vy, heading, stature, phase, capsules)
+    return CAPSULES
 
 
 @njit(cache=True, nogil=True)
@@ -255,10 +265,9 @@ def see(beams: Beams, pose: Pose, people: People, n: int, dx: float, dy: float, 
     `hits` must hold nothing, and does so afterwards.
     """
     capsules = np.empty((CAPSULES, 7))
-    vx, vy = people.velocity[n, 0], people.velocity[n, 1]
-    pose_one(0.0, 0.0, vx, vy, people.heading[n], people.stature[n], people.gait_phase[n], capsules)
+    parts = _pose_at(pose.z, people, n, capsules)
     x, y = _in_sensor(pose, dx, dy)
-    _person(beams, pose, x, y, people.id[n], capsules, hits)
+    _person(beams, pose, x, y, people.id[n], capsules[:parts], hits)
     count = 0
     for k in range(len(hits.kind)):
         if hits.kind[k] != NOTHING:
@@ -284,7 +293,7 @@ def _person(
     beams: Beams, pose: Pose, x: float, y: float, number: int, capsules: NDArray[np.float64], hits: Hits
 ) -> None:
     """Somebody at (x, y), whose `capsules` are those of the map but around their own position."""
-    for c in range(CAPSULES):
+    for c in range(len(capsules)):
         capsule = capsules[c]
         if not in_slab(capsule, pose.z):
             continue

@@ -23,15 +23,18 @@ class Surroundings:
         self.period = setup.world.period
         """(2,) of the map [m]"""
         self._height_of = {robot.name: robot.model.height for robot in setup.robots}
+        self._nobody = _cylinders([], [], [], [])
         self._number_of = {robot.name: robot.number for robot in setup.robots}
 
     def robots(self, states: tuple[RobotState, ...]) -> Cylinders:
-        """Other robots; arrays are read-only, as those of a message are, so that kernels are compiled once."""
-        return Cylinders(
-            _read_only(np.array([self._number_of[state.name] for state in states], np.uint32)),
-            _read_only(np.array([state.position for state in states], np.float64).reshape(-1, 2)),
-            _read_only(np.array([state.radius for state in states], np.float64)),
-            _read_only(np.array([self._height_of[state.name] for state in states], np.float64)),
+        """Other robots."""
+        if not states:
+            return self._nobody
+        return _cylinders(
+            [self._number_of[state.name] for state in states],
+            [state.position for state in states],
+            [state.radius for state in states],
+            [self._height_of[state.name] for state in states],
         )
 
 
@@ -49,6 +52,14 @@ def pose_of(robot: RobotState, mount: Mount) -> Pose:
     return Pose(x + cos * ahead - sin * left, y + sin * ahead + cos * left, up, math.cos(heading), math.sin(heading))
 
 
-def _read_only(array: NDArray) -> NDArray:
-    array.flags.writeable = False
-    return array
+def _cylinders(number: list[int], centre: list[NDArray], radius: list[float], height: list[float]) -> Cylinders:
+    """Their arrays are read-only, as those of a message are, so that kernels are compiled once."""
+    arrays = Cylinders(
+        np.array(number, np.uint32),
+        np.array(centre, np.float64).reshape(-1, 2),
+        np.array(radius, np.float64),
+        np.array(height, np.float64),
+    )
+    for array in arrays:
+        array.flags.writeable = False
+    return arrays

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crowdcosim.avatar import REACH, pose
+from crowdcosim.avatar import LEGS, LEGS_ONLY, REACH, pose, pose_legs, pose_one
 from crowdcosim.body import BODY_PART, MASS, RADIUS, SEGMENTS, SHANK, THIGH
 from crowdcosim.gait import HIP, cycle_time, duty, phase_rate
 from crowdcosim.messages import Contacts
@@ -241,3 +241,18 @@ def test_masses_add_up_and_balance_as_in_the_literature():
     assert 0.53 < centre[2] < 0.58
     assert capsules[FEET[0], 0] < centre[0] < capsules[FEET[0], 3]
     assert centre[1] == pytest.approx(0.0, abs=ROUNDING)
+
+
+def test_legs_alone_are_those_of_the_whole_body_and_nothing_else_is_as_low():
+    rng = np.random.default_rng(9)
+    for _ in range(3000):
+        x, y, heading, phase = rng.uniform(-5, 5, 4)
+        vx, vy = rng.normal(0.0, 1.5, 2)
+        stature = rng.uniform(1.4, 2.1)
+        whole, legs = np.empty((17, 7)), np.empty((17, 7))
+        pose_one(x, y, vx, vy, heading, stature, phase, whole)
+        pose_legs(x, y, vx, vy, heading, stature, phase, legs)
+        np.testing.assert_array_equal(legs[:LEGS], whole[:LEGS])
+        others = whole[LEGS:]
+        assert (np.minimum(others[:, 2], others[:, 5]) - others[:, 6]).min() > LEGS_ONLY * stature
+    assert [segment.split()[1] for segment in SEGMENTS[:LEGS]] == ["foot"] * 2 + ["shank"] * 2 + ["thigh"] * 2
