@@ -112,6 +112,16 @@ class Twist(Message):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, slots=True)
+class TwistStamped(Message):
+    """The standard ROS 2 message `geometry_msgs/msg/TwistStamped`."""
+
+    TYPE: ClassVar[str] = "geometry_msgs/msg/TwistStamped"
+
+    header: Header = field(default_factory=Header)
+    twist: Twist = field(default_factory=Twist)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, slots=True)
 class TwistWithCovariance(CoercedMessage):
     """The standard ROS 2 message `geometry_msgs/msg/TwistWithCovariance`."""
 
@@ -707,6 +717,7 @@ MESSAGES: dict[str, type[Message]] = {
     PoseStamped.TYPE: PoseStamped,
     PoseWithCovariance.TYPE: PoseWithCovariance,
     Twist.TYPE: Twist,
+    TwistStamped.TYPE: TwistStamped,
     TwistWithCovariance.TYPE: TwistWithCovariance,
     Transform.TYPE: Transform,
     TransformStamped.TYPE: TransformStamped,

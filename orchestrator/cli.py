@@ -342,6 +342,47 @@ def evaluate(log: LogFile, as_json: Json = False) -> None:
 
 
 @app.command()
+def ros2(
+    scenario: Scenario = "corridor",
+    settings: Settings = None,
+    endpoint: Annotated[
+        str, typer.Option(help="Router of rmw_zenoh; crowdcosim becomes it if nobody listens there.")
+    ] = "tcp/127.0.0.1:7447",
+    domain: Annotated[int, typer.Option(help="ROS_DOMAIN_ID.")] = 0,
+    robot: Annotated[
+        list[str] | None, typer.Option(help="Robot that ROS 2 drives; by default all. Repeatable.")
+    ] = None,
+    realtime: Annotated[
+        float | None,
+        typer.Option(metavar="FACTOR", help="Go on at this pace instead of waiting for a command in every step."),
+    ] = None,
+    first: Annotated[float, typer.Option(help="Longest wait for the first command [s].")] = 120.0,
+    wait: Annotated[float, typer.Option(help="Longest wait for each further command [s].")] = 10.0,
+    out: Annotated[Path | None, typer.Option(help="Folder for the log; by default none is written.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Let ROS 2 nodes drive: topics over rmw_zenoh, commands from /cmd_vel. Needs no ROS here.
+
+    Example: `crowdcosim ros2 corridor --realtime 1`
+    """
+    with _reporting(as_json), _terminable():
+        from orchestrator.commands.ros2 import serve_ros2
+
+        serve_ros2(
+            scenario,
+            settings=settings or [],
+            endpoint=endpoint,
+            domain=domain,
+            robots=robot,
+            real_time=realtime,
+            first=first,
+            wait=wait,
+            out=out,
+            as_json=as_json,
+        )
+
+
+@app.command()
 def rerun(
     log: LogFile,
     component: Annotated[str, typer.Argument(help="Its name in the scenario, such as `robot/controller`.")],

@@ -23,6 +23,7 @@ STANDARD = (
     "geometry_msgs/msg/PoseStamped",
     "geometry_msgs/msg/PoseWithCovariance",
     "geometry_msgs/msg/Twist",
+    "geometry_msgs/msg/TwistStamped",
     "geometry_msgs/msg/TwistWithCovariance",
     "geometry_msgs/msg/Transform",
     "geometry_msgs/msg/TransformStamped",
