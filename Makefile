@@ -3,13 +3,16 @@ PYTHON ?= python3
 BIN := .venv/bin
 SCENARIO ?= corridor
 
-.PHONY: run test lint bench clean clean-kernels
+.PHONY: run test test-slow lint bench clean clean-kernels
 
 run: .venv/run.stamp            ## one corridor episode: a table, a log and a report
 	$(BIN)/crowdcosim run $(SCENARIO)
 
-test: .venv/dev.stamp           ## all tests
-	$(BIN)/python -m pytest
+test: .venv/dev.stamp           ## the tests, but for the slow ones
+	$(BIN)/python -m pytest -m "not slow"
+
+test-slow: .venv/dev.stamp      ## the slow tests: a wheel, a cluster, other languages (needs cargo)
+	$(BIN)/python -m pytest -m slow
 
 lint: .venv/dev.stamp           ## style, types, and who imports whom
 	$(BIN)/ruff check .
