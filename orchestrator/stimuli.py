@@ -27,8 +27,8 @@ from crowdcosim.messages import (
     TwistWithCovariance,
     Vector3,
 )
+from crowdcosim.robots import Differential, Robot, RobotModel, Target
 from crowdcosim.robots import Pose as Place
-from crowdcosim.robots import Robot, RobotModel, Target
 from crowdcosim.setup import Setup, time_of
 from crowdcosim.world import Wall, World
 
@@ -55,6 +55,7 @@ ROBOT = Robot(
         max_acceleration=5.0,
         max_angular_velocity=math.pi,
         max_angular_acceleration=10.0,
+        base=Differential(wheel_radius=0.035, track=0.230),
     ),
     start=Place(x=5.0, y=5.0),
     goal=Target(x=45.0, y=5.0, direction=(1.0, 0.0)),

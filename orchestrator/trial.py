@@ -84,7 +84,8 @@ class Trial:
     @cached_property
     def ports(self) -> Ports:
         """What the subject takes and gives: the first step of the handshake."""
-        return self.remote.hello()[NAME]
+        body = json.dumps({"config": self._subject.config}) if self._subject.use else "{}"
+        return self.remote.hello({NAME: body})[NAME]
 
     def connect(self) -> None:
         """The rest of the handshake, with the config that the subject is to have."""

@@ -161,7 +161,7 @@ def _variable(variable: Any) -> FmuVariable:
 
 def _names_in(file: Path) -> list[str]:
     if not file.is_file():
-        raise FmuError(f"there is no FMU {file}: the path counts from the folder in which crowdcosim was started")
+        raise FmuError(f"there is no FMU {file}; a path in a scenario begins with ./ and counts from that file")
     try:
         with zipfile.ZipFile(file) as archive:
             return archive.namelist()

@@ -11,10 +11,15 @@ from pydantic import ValidationError
 
 from components.robot.forces import Config, Forces
 from components.robot.kinematic import Kinematic
+from components.robot.wheels import Config as WheelsConfig
+from components.robot.wheels import Wheels
 from crowdcosim.component import make, ports_of
 from crowdcosim.messages import Contacts
 from crowdcosim.robots import Car, Holonomic, Pose
+from crowdcosim.setup import Setup
 from crowdcosim.world import Wall, World
+from orchestrator.stimuli import ROBOT as SUBJECT
+from orchestrator.stimuli import WORLD as STIMULI
 
 R = 0.177
 # An impact is found at the end of the inner step of 10 ms in which it happens.
@@ -199,3 +204,9 @@ def test_the_same_inputs_give_the_same_bits(pushed, twist, people):
 def test_wrong_options_are_refused(options, text):
     with pytest.raises(ValidationError, match=text):
         make(Forces, options)
+
+
+@pytest.mark.parametrize("drive", [Forces(Config()), Wheels(WheelsConfig())], ids=["forces", "wheels"])
+def test_the_robot_of_crowdcosim_check_has_the_measures_that_drives_need(drive):
+    setup = Setup(component="robot", period=100_000_000, seed=1, world=STIMULI, robots=(SUBJECT,), robot="robot")
+    assert drive.reset(setup).state.name == "robot"
