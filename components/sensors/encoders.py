@@ -81,7 +81,7 @@ class WheelEncoders(Sensor):
     def step(self, robot: RobotState) -> EncodersOutput:
         if self._last is None:
             self._estimate = DeadReckoning(robot)
-        else:
+        elif self._last.header.stamp != robot.header.stamp:
             self._roll(self._last, robot)
         self._last = robot
         return self._delivery.step(nanoseconds_of(robot.header.stamp), lambda: self._message(robot))

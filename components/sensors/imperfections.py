@@ -89,7 +89,7 @@ class White:
         elapsed = _Elapsed(signal.period)
 
         def apply(r: Readings, time: int) -> None:
-            add_noise(r, key_of(key, time), self.deviation(elapsed(time)), 0.0, 0.0)
+            add_noise(r, key_of(key, time), self.deviation(elapsed(time) or signal.period), 0.0, 0.0)
 
         return apply
 

@@ -92,7 +92,7 @@ class InertialUnit(Sensor):
 
     def step(self, robot: RobotState) -> Imu:
         last, self._last = self._last, robot
-        if last is not None:
+        if last is not None and last.header.stamp != robot.header.stamp:
             self._integrate(last, robot)
         time = nanoseconds_of(robot.header.stamp)
         return self._delivery.step(time, lambda: self._take(time, robot))

@@ -49,7 +49,7 @@ class Odometer(Sensor):
     def step(self, robot: RobotState) -> Odometry:
         if self._last is None or self.config.exact:
             self._estimate = DeadReckoning(robot)
-        else:
+        elif self._last.header.stamp != robot.header.stamp:
             self._drift(self._last, robot)
         self._last = robot
         return self._delivery.step(nanoseconds_of(robot.header.stamp), lambda: self._message(robot))

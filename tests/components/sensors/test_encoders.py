@@ -127,3 +127,9 @@ def test_options_without_meaning_are_refused():
         Config(ticks_per_turn=0.0)
     with pytest.raises(ValueError, match="way_by_way is -1.0, expected"):
         Config(ticks_per_turn=1.0, way_by_way=-1.0)
+
+
+def test_asked_again_at_the_same_time_it_says_the_same(encoders, drive):
+    sensor = encoders(way_by_way=0.01)
+    state, output = last(sensor, drive(1.0, 0.3, 5))
+    assert sensor.step(state) == output

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from components.sensors.imperfections import Bias, Gaussian, White
+from components.sensors.imperfections import Bias, Drift, Gaussian, White
 from components.sensors.imu import GRAVITY, Config, InertialUnit
 from components.sensors.timing import Latency
 from crowdcosim.messages import RobotState
@@ -137,3 +137,9 @@ def test_late_messages_bear_the_time_at_which_they_were_taken(imu, robot):
 
 def test_compiling_leaves_no_trace(imu):
     assert imu().step(RobotState()) == imu().step(RobotState())
+
+
+def test_asked_again_at_the_same_time_it_still_answers(imu, robot):
+    sensor = imu(gyroscope=(White(kind="white", density=0.01), Drift(kind="drift", density=0.01)))
+    state = robot(5.0, 5.0, nanoseconds=100_000_000)
+    assert np.isfinite([sensor.step(state).angular_velocity.z for _ in range(3)]).all()

@@ -224,3 +224,10 @@ def test_an_episode_begins_without_the_drift_of_the_last(setup, odometer, drive)
     first = [sensor.step(state) for state in drive(3.0, 1.0, 10)]
     sensor.reset(setup(OPEN))
     assert [sensor.step(state) for state in drive(3.0, 1.0, 10)] == first
+
+
+def test_asked_again_at_the_same_time_it_says_the_same(odometer, drive):
+    sensor = odometer(**NOISY)
+    for state in drive(1.0, 0.3, 5):
+        odometry = sensor.step(state)
+    assert sensor.step(state) == odometry
