@@ -198,7 +198,9 @@ class CrowdModel(Mover):
         """Gather what is the same until somebody comes or goes."""
         config, state, people = self._config, self._state, self._state.people
         self._groups = Groups(people.group)
-        self._mixture = mix([traits.policy for _, _, traits in config.parts], people.population, people.time_horizon)
+        self._mixture = mix(
+            [traits.policy for _, _, traits in config.parts], people.population, people.variant, people.time_horizon
+        )
         self._reactions = Reactions(
             [traits.reaction if config.reactive else "none" for _, _, traits in config.parts], people.population
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Annotated, Any
 
 import numpy as np
@@ -86,6 +87,16 @@ def bounds(distribution: Distribution) -> tuple[float, float]:
     if isinstance(distribution, tuple):
         return min(distribution), max(distribution)
     return distribution, distribution
+
+
+def quantile(distribution: Normal | Uniform, share: float) -> float:
+    """The value that is greater than a share of those drawn."""
+    if isinstance(distribution, Uniform):
+        low, high = distribution.uniform
+        return low + (high - low) * share
+    bell = distribution.normal
+    low, high = bell.limits
+    return min(max(bell.mean + bell.deviation * NormalDist().inv_cdf(share), low), high)
 
 
 def require_positive(name: str, distribution: Distribution) -> None:

@@ -12,6 +12,7 @@ from components.crowd.policies import PolicyName, make_policy
 from components.crowd.reactions import HIDDEN, MOVING, STILL
 from components.crowd.scene import Policy, Scene
 from components.crowd.steering import Recipe
+from components.crowd.variants import VARIANTS
 
 Array = NDArray[np.float64]
 
@@ -49,17 +50,26 @@ class Mixture:
         return acceleration
 
 
-def mix(wanted: Sequence[PolicyName | Recipe], population: NDArray[np.int64], time_horizon: Array) -> Mixture:
+def mix(
+    wanted: Sequence[PolicyName | Recipe],
+    population: NDArray[np.int64],
+    variant: NDArray[np.int64],
+    time_horizon: Array,
+) -> Mixture:
     """The policies of several populations; those who follow the same one are computed at once.
 
     Args:
         wanted: the policy of each population
         population: (N,) index of everybody's population
+        variant: (N,) everybody's number of those that a policy with distributed options has
         time_horizon: (N,) of `orca` [s]
     """
     different: list[PolicyName | Recipe] = []
-    for policy in wanted:
-        if policy not in different:
-            different.append(policy)
-    which = np.array([different.index(policy) for policy in wanted])[population]
-    return Mixture([make_policy(policy, time_horizon=time_horizon) for policy in different], which)
+    table = np.empty((len(wanted), VARIANTS), np.int64)
+    for p, policy in enumerate(wanted):
+        for number in range(VARIANTS):
+            one = policy.variant(number) if isinstance(policy, Recipe) and policy.varies else policy
+            if one not in different:
+                different.append(one)
+            table[p, number] = different.index(one)
+    return Mixture([make_policy(policy, time_horizon=time_horizon) for policy in different], table[population, variant])

@@ -13,13 +13,13 @@ from components.crowd.distributions import Bell, Distribution, Normal, bounds, d
 from components.crowd.policies import PolicyName
 from components.crowd.reactions import Reaction
 from components.crowd.steering import Recipe
+from components.crowd.variants import VARIANTS
 
 Array = NDArray[np.float64]
 Rng = Callable[[int], np.random.Generator]
 
-PLACES, SPEEDS, BODIES, STEPS, CHOICES, POPULATIONS, HORIZONS, RADII, STATURES, TOP_SPEEDS, ACCELERATIONS, PARTIES = (
-    range(12)
-)
+PLACES, SPEEDS, BODIES, STEPS, CHOICES, POPULATIONS, HORIZONS, RADII, STATURES, TOP_SPEEDS, ACCELERATIONS = range(11)
+VARIANT, PARTIES = 11, 12
 """streams of chance: a change in one property leaves the others as they are; populations have PARTIES + index"""
 
 STATURE = np.array([[1.759, 0.070], [1.618, 0.065]])
@@ -119,6 +119,8 @@ class People:
 
     population: NDArray[np.int64]
     """index of the population"""
+    variant: NDArray[np.int64]
+    """number of the variant of the population's policy, where people differ in its options"""
     group: NDArray[np.uint32]
     """number of the social group, from 1; 0: alone"""
     time_horizon: Array
@@ -169,6 +171,7 @@ def draw_people(rng: Rng, count: int, populations: Sequence[tuple[str, float, Tr
         pace = (np.bincount(party, pace) / size)[party]
     return People(
         population=population,
+        variant=rng(VARIANT).integers(0, VARIANTS, count),
         group=number[party].astype(np.uint32),
         time_horizon=drawn("time_horizon", HORIZONS),
         preferred_speed=pace,

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -23,6 +23,7 @@ from components.crowd.costs import CostError, make_cost
 from components.crowd.sampling import GLOBAL, RandomSampling, RegularSampling, towards_best
 from components.crowd.scene import RANGE, Scene
 from components.crowd.surroundings import Surroundings, Surveyor, in_order
+from components.crowd.variants import VARIANTS, of_variant, varies
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,8 @@ class Recipe:
     """A policy of your own: cost functions, and how people look for low costs."""
 
     costs: tuple[Mapping[str, Any], ...]
-    """each with the `name` of a shipped cost or './my_cost.py:MyCost', its `coefficient` (1), and its options"""
+    """each with the `name` of a shipped cost or './my_cost.py:MyCost', its `coefficient` (1), and its options, of which
+    numbers may be distributions"""
     optimiser: Literal["gradient", "global"] | RegularSampling | RandomSampling
     """go down the slope, search all velocities, or try those of a fan"""
     relaxation_time: float = 0.0
@@ -53,10 +55,20 @@ class Recipe:
         if not (self.range > 0 and math.isfinite(self.range)):
             raise ValueError(f"range is {self.range}, expected a positive number")
         for k, entry in enumerate(self.costs):
-            try:
-                make_cost(entry)
-            except CostError as error:
-                raise ValueError(f"costs[{k}]: {error}") from None
+            for variant in range(VARIANTS if varies(entry) else 1):
+                try:
+                    make_cost(of_variant(entry, variant, k))
+                except (CostError, ValueError) as error:
+                    raise ValueError(f"costs[{k}]: {error}") from None
+
+    @property
+    def varies(self) -> bool:
+        """True if people differ in an option of a cost."""
+        return any(varies(entry) for entry in self.costs)
+
+    def variant(self, number: int) -> Recipe:
+        """This recipe with one value for each option that is distributed."""
+        return replace(self, costs=tuple(of_variant(entry, number, k) for k, entry in enumerate(self.costs)))
 
 
 class Steering:

@@ -39,7 +39,7 @@ def test_everybody_sees_the_robots_in_their_own_way(name):
 def test_populations_of_one_policy_are_computed_at_once_each_with_a_horizon_of_its_own():
     now = scene([(0, 0), (4, 0.1), (0, 9), (4, 9.1)], [(1, 0), (-1, 0)] * 2, [(1, 0), (-1, 0)] * 2)
     horizon = np.array([1.0, 1.0, 5.0, 5.0])
-    mixture = mix(["orca", "orca"], np.array([0, 0, 1, 1]), horizon)
+    mixture = mix(["orca", "orca"], np.array([0, 0, 1, 1]), np.array([0, 3, 1, 7]), horizon)
     assert len(mixture._parts) == 1
     acceleration = mixture.accelerate(now, np.full(4, MOVING, np.int8))
     # They would touch after 1.7 s.
