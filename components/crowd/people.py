@@ -110,7 +110,10 @@ class Population:
             ValueError: if both do not go together.
         """
         own = {f.name: getattr(self, f.name) for f in fields(Traits) if getattr(self, f.name) is not None}
-        return Traits(**({f.name: getattr(crowd, f.name) for f in fields(Traits)} | own))
+        try:
+            return Traits(**({f.name: getattr(crowd, f.name) for f in fields(Traits)} | own))
+        except ValueError as error:
+            raise ValueError(f"populations: '{self.name}': {error}") from None
 
 
 @dataclass(frozen=True, kw_only=True)

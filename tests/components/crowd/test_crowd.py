@@ -251,7 +251,7 @@ def test_no_room_is_an_error():
         ({"count": 3, "groups": [0.0]}, r"groups is \[0.0\]"),
         ({"positions": [[1, 1], [2, 2]], "groups": [1, 1]}, "walks alone"),
         ({"count": 3, "populations": [{"name": "a", "share": 0}]}, "share is 0.0, expected a positive number"),
-        ({"count": 3, "populations": [{"name": "a", "share": 1, "max_speed": 1.0}]}, "preferred_speed may be 1.8"),
+        ({"count": 3, "populations": [{"name": "a", "share": 1, "max_speed": 1.0}]}, "'a': preferred_speed may be 1.8"),
         ({"count": 3, "populations": [{"name": "a", "share": 1}, {"name": "a", "share": 2}]}, "'a' is there twice"),
         ({"count": 3, "reaction": "scared"}, "reaction"),
         ({"count": 3, "reaction": {"name": "curious", "duration": 0}}, "duration is 0.0"),
