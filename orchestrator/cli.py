@@ -421,6 +421,37 @@ def replay(
 
 
 @app.command()
+def render(
+    log: LogFile,
+    camera: Annotated[
+        str, typer.Option(help="Of the scenario's `cameras`, or fixed, following, top_down, robot.")
+    ] = "following",
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the camera, such as `distance=6`. Repeatable."),
+    ] = None,
+    at: Annotated[float | None, typer.Option(metavar="TIME", help="One picture (PNG) of this time [s].")] = None,
+    start: Annotated[float, typer.Option(help="Where the film begins [s].")] = 0.0,
+    end: Annotated[float | None, typer.Option(help="Where it ends [s]; by default with the episode.")] = None,
+    rate: Annotated[float, typer.Option(help="Pictures per second of the film.")] = 25.0,
+    speed: Annotated[float, typer.Option(help="Simulated seconds per second of the film.")] = 1.0,
+    size: Annotated[str, typer.Option(metavar="WIDTHxHEIGHT", help="[pixels]")] = "1280x720",
+    out: Annotated[Path | None, typer.Option(help="File to write; by default beside the log.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Make a film (mp4) or a picture (PNG) of an episode from its log.
+
+    Example: `crowdcosim render runs/latest --camera robot` or `crowdcosim render runs/latest --at 12.5`
+    """
+    with _reporting(as_json):
+        from orchestrator.commands.render import render_log
+
+        path = _log_file(log)
+        span = (start, end, rate, speed)
+        render_log(path, camera, settings or [], at=at, span=span, size=size, out=out, as_json=as_json)
+
+
+@app.command()
 def diff(a: LogFile, b: LogFile, as_json: Json = False) -> None:
     """Find the first tick and channel in which two logs differ.
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -20,9 +18,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from crowdcosim.messages import Crowd
-from orchestrator.errors import InputError
 from orchestrator.map_picture import INK, STYLE, TIME_COLOURS, draw_goal, draw_robot, images, map_axes
 from orchestrator.trajectories import Trajectories
+from orchestrator.video import write_mp4
 
 Pixels = NDArray[np.uint8]
 
@@ -52,7 +50,7 @@ def save_film(
     """
     chosen = _instants(run, fps)
     frames = _frames(run, chosen, dpi, told)
-    (_save_gif if path.suffix == ".gif" else _save_mp4)(path, frames, fps)
+    (_save_gif if path.suffix == ".gif" else write_mp4)(path, frames, fps)
     return len(chosen)
 
 
@@ -159,26 +157,3 @@ def _save_gif(path: Path, frames: Iterator[Pixels], fps: float) -> None:
     # GIFs count in hundredths of a second.
     delay = max(round(100 / fps), 2) * 10
     pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=delay, loop=0, optimize=False)
-
-
-def _save_mp4(path: Path, frames: Iterator[Pixels], fps: float) -> None:
-    try:
-        import imageio_ffmpeg
-    except ImportError:
-        raise InputError(
-            f"{path.name}: mp4 needs the extra `video`: pip install 'crowdcosim[video]'; or give a .gif"
-        ) from None
-    first = next(frames)
-    size, rate = f"{first.shape[1]}x{first.shape[0]}", f"{fps:g}"
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
-    command += ["-s", size, "-r", rate, "-i", "-", "-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "20"]
-    with subprocess.Popen([*command, str(path)], stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        assert process.stdin is not None
-        try:
-            for pixels in itertools.chain([first], frames):
-                process.stdin.write(pixels.tobytes())
-        except BrokenPipeError:
-            pass  # it says why below
-        _, said = process.communicate()
-    if process.returncode:
-        raise InputError(f"{path}: {said.decode(errors='replace').strip()}")

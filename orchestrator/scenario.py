@@ -11,6 +11,7 @@ from typing import Any
 from crowdcosim.robots import Robot, RobotModel
 from crowdcosim.world import World
 from orchestrator import extends
+from orchestrator.cameras import Camera
 from orchestrator.component_specs import ComponentSpec, component_specs
 from orchestrator.mounts import mount_problems
 from orchestrator.placement import placement_problems, world_of
@@ -43,6 +44,8 @@ class Scenario:
     """run the robots without people first"""
     ending: Ending
     deadlines: Deadlines
+    cameras: Mapping[str, Camera]
+    """those of its own, for `crowdcosim render`"""
     resolved: Mapping[str, Any]
     """this scenario as plain data with nothing left out; `load` makes the same scenario of it, in any folder"""
 
@@ -114,6 +117,7 @@ def _checked(tree: Node, *, trust: bool = False) -> Scenario:
         reference=file.reference,
         ending=file.end,
         deadlines=file.deadlines,
+        cameras=file.cameras,
         resolved=_resolved(file, components),
     )
 

@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from crowdcosim.obstacles import Obstacle
 from crowdcosim.robots import Pose, RobotModel, Target
 from crowdcosim.world import Wall, World
+from orchestrator.cameras import Camera
 
 _NAME = r"^[A-Za-z][A-Za-z0-9_-]*$"
 _RUN_NAME = r"^[A-Za-z0-9][A-Za-z0-9._+-]*$"
@@ -164,6 +165,8 @@ class ScenarioFile:
     """before the run, the robots do it without people: the ratios of the metrics compare with that"""
     end: Ending
     deadlines: Deadlines = field(default_factory=Deadlines)
+    cameras: Mapping[Name, Camera] = field(default_factory=dict)
+    """camera's name -> what `crowdcosim render` looks through"""
 
 
 @cache

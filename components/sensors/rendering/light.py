@@ -52,9 +52,9 @@ def brightness(light: Light, nx: float, ny: float, nz: float, x: float, y: float
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def haziness(depth: float) -> float:
-    """Share of the haze in a colour that is seen from `depth` [m]."""
-    return depth * depth / (depth * depth + _HAZE * _HAZE)
+def haziness(square: float) -> float:
+    """Share of the haze in a colour, by the square of its distance over the ground [m2]: from above, all is clear."""
+    return square / (square + _HAZE * _HAZE)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -94,7 +94,9 @@ def paint_limb(
     step = 1.0 / focal
     # What hardly changes from pixel to pixel.
     shorter = shortening((0.5 * (first + end) - cx) * step, y)
-    haze = haziness(1.0 / depths[v, first])
+    there, x = 1.0 / depths[v, first], (first - cx) * step
+    rise = x * up[0] + y * up[1] + up[2]
+    haze = haziness(there * there * (x * x + y * y + 1.0 - rise * rise))
     head = c == _HEAD
     trunk = c in (_LEFT_TRUNK, _RIGHT_TRUNK, _PELVIS)
     plain = not (head or trunk or c < _FOOT_END or (c == _NECK and style == LONG))

@@ -70,7 +70,8 @@ def paint_level(
     slide = step * axes[1, 2] / rise
     # How far a pixel reaches along x and y.
     downx, downy, acrossx, acrossy = axes[1, 0] * step * z, axes[1, 1] * step * z, abs(sx) * z, abs(sy) * z
-    hx, hy, haze = view.position[0], view.position[1], haziness(z)
+    hx, hy = view.position[0], view.position[1]
+    haze = haziness(z * z * ((rx + sx * first) ** 2 + (ry + sy * first) ** 2))
     if floor:
         _floor(
             hx, hy, rx, ry, sx, sy, z, downx, downy, acrossx, acrossy, slide, size[0], size[1], first, end, tone, part
@@ -210,9 +211,9 @@ def paint_triangle(
                 y,
                 shortening(x, y),
             )
-            haze = haziness(z)
+            haze = haziness(dx * dx + dy * dy)
         # Less light reaches the foot of what stands on the floor.
-        shade = light_here * (0.86 + 0.28 * min(max(pz, 0.0), 0.5))
+        shade = (0.42 + 0.66 * light_here) * (0.86 + 0.28 * min(max(pz, 0.0), 0.5))
         qx, qy = px - ox, py - oy
         along, left = qx * ux + qy * uy, qy * ux - qx * uy
         if paint == WALL:
