@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from crowdcosim.component import ComponentError, Output, Ports, ValidationError, make, ports_of
-from crowdcosim.host import FOREVER, ComponentHost, Source
+from crowdcosim.host import FOREVER, ComponentHost, Source, blame
 from crowdcosim.loading import load_class
 from crowdcosim.message import Message
 from crowdcosim.messages import MESSAGES, Metrics
 from orchestrator.component_specs import ComponentSpec
-from orchestrator.errors import InputError, WiringError
+from orchestrator.errors import InputError, RunError, WiringError
 from orchestrator.log import Log
 from orchestrator.scenario import Scenario, from_resolved
 from orchestrator.simulation import kind_of_place, setup_of
@@ -90,6 +90,7 @@ def rerun(
 
     Raises:
         InputError: if the log has no such component, or what it got is not in the log.
+        RunError: if the component fails.
     """
     scenario = from_resolved(log.scenario())
     spec = _component(log, scenario, component)
@@ -97,9 +98,14 @@ def rerun(
     if host.ports.kind == "observer":
         raise InputError(f"'{component}' observes: `crowdcosim evaluate` runs it again")
     recorded = Recorded(log, scenario.period)
-    for tick, outputs in _life(host, last, recorded, _reference(log)):
-        for port, again in outputs.items():
-            yield Step(tick=tick, port=port, recorded=recorded.find(component, port, tick), again=again)
+    try:
+        for tick, outputs in _life(host, last, recorded, _reference(log)):
+            for port, again in outputs.items():
+                yield Step(tick=tick, port=port, recorded=recorded.find(component, port, tick), again=again)
+    except InputError:
+        raise
+    except Exception as error:  # whatever the component raises
+        raise RunError(component, None, blame(error)) from error
 
 
 def _life(

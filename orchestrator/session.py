@@ -112,6 +112,8 @@ class Session:
         loaded = load(scenario, own)
         self.commanded = robots_to_command(loaded, [commanded] if isinstance(commanded, str) else list(commanded))
         """the robots that wait for commands"""
+        if latency and not self.commanded:
+            raise InputError(f"latency is {latency}, expected none: no robot is commanded; set that of its controller")
         self.scenario = load(scenario, [*own, *(s for robot in self.commanded for s in take_over(robot, latency))])
         self._reference = reference
         self._open()

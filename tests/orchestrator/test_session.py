@@ -15,7 +15,7 @@ from crowdcosim.messages import Twist, Vector3
 from orchestrator.episode import Result, run_episode
 from orchestrator.errors import InputError, RunError
 from orchestrator.log import read_log
-from orchestrator.replay import evaluate
+from orchestrator.replay import evaluate, rerun
 from orchestrator.scenario import load
 from orchestrator.simulation import Simulation
 
@@ -216,6 +216,14 @@ def test_each_episode_has_a_log_of_its_own(session, tmp_path) -> None:
     # An episode without a step leaves none without a step leaves none
 
 
+def test_of_its_log_every_component_but_the_one_who_commands_can_be_run_again(session, tmp_path) -> None:
+    drive(session)
+    log = read_log(tmp_path / "episode_1.mcap")
+    assert all(step.again == step.recorded for step in rerun(log, "robot/lidar"))
+    with pytest.raises(RunError, match="robots that a Session commands"):
+        list(rerun(log, "robot/controller"))
+
+
 def test_an_error_in_the_users_loop_leaves_a_readable_log_that_says_so(tmp_path) -> None:
     with pytest.raises(ZeroDivisionError), Session(SMALL, record=tmp_path) as session:
         session.step(FORWARD)
@@ -244,6 +252,14 @@ def test_a_wrong_command_is_refused_and_the_episode_goes_on(session, command, wo
     assert session.step(np.array([1.0, 0.0])).tick == 1
 
 
+def test_a_holonomic_robot_is_commanded_sideways_too() -> None:
+    base = {"kind": "holonomic", "max_lateral_speed": 0.5}
+    with Session(SMALL, {"robots.robot.model.base": base, "robots.robot.drive": {"use": "kinematic"}}) as session:
+        for _ in range(5):
+            view = session.step((0.2, 0.4, 0.0))
+    assert view.robot.state.velocity == pytest.approx([0.2, 0.4])
+
+
 def test_the_end_of_an_episode_is_the_end(session) -> None:
     drive(session)
     with pytest.raises(InputError, match=r"is over \(time_limit\): begin another with reset"):
@@ -262,6 +278,7 @@ def test_the_end_of_an_episode_is_the_end(session) -> None:
         ({"settings": {"crowd.config.cuont": 3}}, "did you mean 'count'"),
         ({"dt": -1.0}, "dt"),
         ({"seed": -1}, "seed"),
+        ({"latency": 0.1}, "no robot is commanded"),
     ],
 )
 def test_what_cannot_be_opened_is_refused_with_a_reason(arguments, words) -> None:

@@ -78,6 +78,17 @@ def test_actions_are_the_robots_limits(env) -> None:
         env.reset(seed=1)
 
 
+def test_a_holonomic_robot_has_an_action_more() -> None:
+    base = {"kind": "holonomic", "max_lateral_speed": 0.5}
+    env = Navigation(settings=SMALL | {"robots.robot.model.base": base})
+    assert env.action_space.shape == (3,)
+    env.reset(seed=1)
+    for _ in range(5):
+        odometry = env.step(np.array([-2 / 3, 1.0, 0.0], np.float32))[0]["odometry"]
+    assert odometry[3:] == pytest.approx([0.0, 0.5, 0.0], abs=1e-6)
+    env.close()
+
+
 def test_reaching_the_goal_terminates_with_outcome_and_metrics(env) -> None:
     env.reset(seed=1)
     *_, terminated, truncated, info = drive(env)[-1]
