@@ -243,7 +243,7 @@ def report(
 
 @app.command()
 def generate(
-    suite: Annotated[str, typer.Argument(help="`paper`, `paper-extra`, `smoke`, `robots`, `crowds`.")],
+    suite: Annotated[str, typer.Argument(help="Such as `paper`, `robots`, `sensors`, `hard`; see docs/benchmark.md.")],
     out: Annotated[Path | None, typer.Option(help="Folder for the files; by default one of the suite's name.")] = None,
     as_json: Json = False,
 ) -> None:

@@ -9,8 +9,9 @@ from typing import NamedTuple
 from orchestrator.errors import InputError
 from orchestrator.problems import near_miss
 from orchestrator.shipped import names_in, scenarios_folder, suite_names
-from orchestrator.suites.comparisons import crowds, robots
+from orchestrator.suites.comparisons import crowds, robots, sensors
 from orchestrator.suites.frozen import Frozen
+from orchestrator.suites.hard import hard
 from orchestrator.suites.paper import paper, paper_extra
 from orchestrator.suites.smoke import smoke
 
@@ -27,6 +28,8 @@ GENERATORS = {
     "paper-extra": Generator(paper_extra, "outside the hundred: social forces that do not react, and the robot alone"),
     "smoke": Generator(smoke, "ten of the hundred, in a minute"),
     "robots": Generator(robots, "every shipped robot in every flow"),
+    "sensors": Generator(sensors, "five ways of sensing people in every flow"),
+    "hard": Generator(hard, "bottleneck, crossing, T-junction, sudden stop, cut-in, queue, a group"),
     "crowds": Generator(crowds, "every crowd model in every flow"),
 }
 
