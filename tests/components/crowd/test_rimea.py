@@ -14,8 +14,6 @@ from crowdcosim.world import Wall, World
 from tests.components.crowd.test_policies import AVOIDING
 
 MAIN = ["orca", "social_force", "power_law"]
-SHY = ["karamouzas", "rvo"]
-"""policies to which a wall ahead is as bad as a person ahead, at any distance: they slow down and may stop before it"""
 
 
 def room(width, depth, *walls, obstacles=()):
@@ -60,14 +58,15 @@ def closest(states):
     return least
 
 
-@pytest.mark.parametrize("policy", [p for p in AVOIDING if p not in (*SHY, "paris")])
+@pytest.mark.parametrize("policy", AVOIDING)
 def test_rimea_1_whoever_walks_40_m_along_a_corridor_needs_the_time_of_the_preferred_speed(policy):
     areas = {"start": {"x": [1, 1], "y": [1, 1]}, "end": {"x": [41, 42], "y": [0, 2]}}
     journeys = [{"start": "start", "goal": "end", "count": 1}]
-    states = walk(room(42.0, 2.0), areas, journeys, 450, policy=policy, preferred_speed=1.33)
+    # Far from the end wall: to some policies a wall ahead is as bad as a person ahead, at any distance.
+    states = walk(room(60.0, 2.0), areas, journeys, 450, policy=policy, preferred_speed=1.33)
     # 1.33 m/s with 5%: 26 s to 34 s, as the guideline has it.
     assert 26.0 <= (len(states) - 1) * 0.1 <= 34.0
-    assert clearance(np.concatenate([s.position for s in states]), room(42.0, 2.0)) > 0.3
+    assert clearance(np.concatenate([s.position for s in states]), room(60.0, 2.0)) > 0.3
 
 
 @pytest.mark.parametrize("policy", MAIN)
@@ -82,10 +81,10 @@ def test_rimea_6_twenty_people_go_round_a_corner_to_the_left_and_not_through_it(
     assert clearance(np.concatenate([s.position for s in states]), world) > 0.15
 
 
-@pytest.mark.parametrize("policy", [p for p in AVOIDING if p not in SHY])
+@pytest.mark.parametrize("policy", AVOIDING)
 def test_whoever_goes_round_a_corner_alone_does_not_touch_it(policy):
-    world = room(12.0, 12.0, obstacles=(Box(shape="box", centre=(5.0, 7.0), size=(10.0, 10.0)),))
-    areas = {"start": {"x": [1, 2], "y": [0.5, 1.5]}, "end": {"x": [10, 12], "y": [11, 12]}}
+    world = room(12.0, 24.0, obstacles=(Box(shape="box", centre=(5.0, 13.0), size=(10.0, 22.0)),))
+    areas = {"start": {"x": [1, 2], "y": [0.5, 1.5]}, "end": {"x": [10, 12], "y": [9, 10]}}
     states = walk(world, areas, [{"start": "start", "goal": "end", "count": 1}], 400, policy=policy)
     assert len(states[-1].id) == 0
     # Contacts begin at 0.3 m; whoever cuts the corner touches by a hand's width at most.
