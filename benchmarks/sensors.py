@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from components.sensors import detections, imu, lidar, ultrasound
+from components.sensors import camera, detections, imu, lidar, ultrasound
 from components.sensors.imperfections import Dropout, MixedPixels, RangeDependent
 from crowdcosim.avatar import pose
 from crowdcosim.messages import Crowd, Header, RobotState
@@ -84,7 +84,7 @@ def main() -> None:
     options = parser.parse_args()
     corridor = Corridor(options.people)
     print(f"{options.people} people in 500 m2; {BEAMS} beams, {RANGE:g} m, all around, {HEIGHT} m above the floor\n")
-    for rows in (own_rows, embree_rows, mujoco_rows):
+    for rows in (own_rows, camera_rows, embree_rows, mujoco_rows):
         for row in rows(corridor, options.ticks):
             print(f"{row.name:<64}{row.milliseconds:8.3f} ms", flush=True)
 
@@ -126,6 +126,34 @@ def own_rows(corridor: Corridor, ticks: int) -> Iterator[Row]:
     yield Row("posing everybody's 17 capsules", median(lambda tick: posed(states[tick][1]), ticks))
 
 
+CAMERA = Mount(position=(0.0, 0.0, 1.0))
+PICTURES = ((320, 240), (640, 480))
+CAMERAS = {
+    "depth": camera.DepthCamera,
+    "colour, depth": camera.RGBDCamera,
+    "colour, depth, agents, parts": camera.LabelledCamera,
+}
+
+
+def camera_rows(corridor: Corridor, ticks: int) -> Iterator[Row]:
+    """Our cameras, on one thread and on two."""
+    states = [corridor.at(tick) for tick in range(max(ticks // 4, 20))]
+    for width, height in PICTURES:
+        for threads in (1, 2):
+            for images, cls in CAMERAS.items():
+                sensor = cls(camera.Config(mount=CAMERA, width=width, height=height, threads=threads))
+                sensor.reset(corridor.setup)
+                time = median(lambda tick, sensor=sensor: sensor.step(*states[tick], ()), len(states))
+                yield Row(f"camera {width} x {height}, {threads} thread(s): {images}", time)
+
+
+def pixel_rays(width: int, height: int) -> np.ndarray:
+    """(W H, 3) level, as our cameras look."""
+    focal = 0.5 * width / math.tan(0.5 * camera.Config.field_of_view)
+    u, v = np.meshgrid((np.arange(width) - 0.5 * (width - 1)) / focal, (np.arange(height) - 0.5 * (height - 1)) / focal)
+    return np.ascontiguousarray(np.stack([np.ones_like(u), -u, -v], axis=-1).reshape(-1, 3), np.float32)
+
+
 def posed(crowd: Crowd) -> np.ndarray:
     return pose(crowd.position, crowd.velocity, crowd.heading, crowd.stature, crowd.gait_phase)
 
@@ -163,6 +191,10 @@ def embree_rows(corridor: Corridor, ticks: int) -> Iterator[Row]:
 
     yield Row("embree: pose, triangles, build", median(build, max(ticks // 20, 5)))
     yield Row("embree: 1 scan, one thread per core", median(cast, ticks))
+    for width, height in PICTURES:
+        directions = pixel_rays(width, height)
+        time = median(cast, max(ticks // 10, 5))
+        yield Row(f"embree: rays of a camera {width} x {height}, no colour", time)
 
 
 def mujoco_rows(corridor: Corridor, ticks: int) -> Iterator[Row]:

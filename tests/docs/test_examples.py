@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent.parent
-NAMES = ("scenarios", "controllers", "crowd", "robots", "logs", "metrics", "sensors", "benchmark")
+NAMES = ("camera", "scenarios", "controllers", "crowd", "robots", "logs", "metrics", "sensors", "benchmark")
 PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in NAMES)]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
