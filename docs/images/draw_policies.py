@@ -16,7 +16,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from PIL import Image
 
-from components.crowd.crowd import Config, CrowdModel
+from components.crowd.config import Config
+from components.crowd.crowd import CrowdModel
 from components.crowd.policies import RECIPES
 from crowdcosim.messages import Crowd
 from crowdcosim.obstacles import Disc

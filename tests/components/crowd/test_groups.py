@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from components.crowd.crowd import Config, CrowdModel
+from components.crowd.config import Config
+from components.crowd.crowd import CrowdModel
 from components.crowd.groups import Groups, abreast, group_acceleration
 from crowdcosim.setup import Setup
 from crowdcosim.world import World

@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from components.crowd.crowd import Config, CrowdModel, Population
+from components.crowd.config import Config
+from components.crowd.crowd import CrowdModel
+from components.crowd.people import Population
 from components.crowd.reactions import HIDDEN, MOVING, STILL, Curious, Reactions, face, step_aside
 from crowdcosim.messages import RobotState
 from crowdcosim.setup import Setup
