@@ -48,14 +48,14 @@ class Outline(NamedTuple):
     """no ray meets it nearer than this [m]"""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def in_slab(capsule: NDArray[np.float64], z: float) -> bool:
     """True if the plane at the height `z` [m] cuts a capsule of `crowdcosim.avatar`, (7,)."""
     low, high = min(capsule[2], capsule[5]), max(capsule[2], capsule[5])
     return low - capsule[6] <= z <= high + capsule[6]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def holds_origin(axis: Axis) -> bool:
     """True if the sensor is within the capsule."""
     square = axis.dx * axis.dx + axis.dy * axis.dy + axis.dz * axis.dz
@@ -64,7 +64,7 @@ def holds_origin(axis: Axis) -> bool:
     return x * x + y * y + z * z <= axis.radius * axis.radius
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def outline(axis: Axis) -> Outline:
     """Where the sensor, which is outside, sees the section of the capsule by its plane, which must cut the capsule.
 
@@ -94,13 +94,13 @@ def outline(axis: Axis) -> Outline:
     return Outline(math.atan2(ay, ax) + right, left - right, nearest)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _most_arc_sine(sine: float) -> float:
     """At least the arc sine, for at most one half: (asin x - x) / x^3 grows with x, to 0.18880."""
     return sine + 0.1888 * sine * sine * sine
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def meets(axis: Axis, ux: float, uy: float) -> float:
     """Distance [m] to where the ray along (ux, uy) enters the capsule, infinite if it does not; it starts outside."""
     du = axis.dx * ux + axis.dy * uy

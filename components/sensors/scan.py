@@ -113,7 +113,7 @@ class Hits(NamedTuple):
     """(B,) as in `BeamAgents`"""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def nothing_hit(count: int) -> Hits:
     """So many beams in an empty world."""
     return Hits(
@@ -124,7 +124,7 @@ def nothing_hit(count: int) -> Hits:
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def scan(
     beams: Beams,
     pose: Pose,
@@ -145,7 +145,7 @@ def scan(
     return hits
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def tell(hits: Hits, range_min: float, range_max: float) -> None:
     """Make of distances the ranges of REP 117, and nobody of what is beyond the farthest."""
     for k in range(len(hits.distance)):
@@ -155,7 +155,7 @@ def tell(hits: Hits, range_min: float, range_max: float) -> None:
             hits.distance[k], hits.kind[k], hits.agent[k], hits.body_part[k] = np.inf, NOTHING, 0, NO_PART
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def near(people: People, x: float, y: float, reach: float, period: NDArray[np.float64]) -> People:
     """Those of whom a part may be within `reach` of (x, y) [m], each at the image that is nearest.
 
@@ -185,13 +185,13 @@ def near(people: People, x: float, y: float, reach: float, period: NDArray[np.fl
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _in_sensor(pose: Pose, dx: float, dy: float) -> tuple[float, float]:
     """A vector of the map in the sensor's frame."""
     return pose.cos * dx + pose.sin * dy, pose.cos * dy - pose.sin * dx
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _span(beams: Beams, start: float, extent: float, turn: int) -> tuple[int, int]:
     """Beams [low, high) that lie, or by rounding may lie, between two angles, in the first (0) or second turn (1)."""
     offset = start - beams.first
@@ -201,7 +201,7 @@ def _span(beams: Beams, start: float, extent: float, turn: int) -> tuple[int, in
     return low, high
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _wall(beams: Beams, pose: Pose, ends: NDArray[np.float64], number: int, hits: Hits) -> None:
     ax, ay = _in_sensor(pose, ends[0, 0] - pose.x, ends[0, 1] - pose.y)
     bx, by = _in_sensor(pose, ends[1, 0] - pose.x, ends[1, 1] - pose.y)
@@ -226,7 +226,7 @@ def _wall(beams: Beams, pose: Pose, ends: NDArray[np.float64], number: int, hits
                 _note(beams, k, distance, WALL, number, NO_PART, hits)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _people(beams: Beams, pose: Pose, period: NDArray[np.float64], people: People, hits: Hits) -> None:
     capsules = np.empty((CAPSULES, 7))
     for n in range(len(people.id)):
@@ -243,10 +243,10 @@ def _people(beams: Beams, pose: Pose, period: NDArray[np.float64], people: Peopl
                     continue
                 if count == 0:
                     count = _pose_at(pose.z, people, n, capsules)
-                _person(beams, pose, x, y, people.id[n], capsules[:count], hits)
+                _person(beams, pose, x, y, REACH * stature, people.id[n], capsules[:count], hits)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _pose_at(z: float, people: People, n: int, capsules: NDArray[np.float64]) -> int:
     """Write the capsules of person `n`, around their own position, that may be at this height; their number."""
     vx, vy, heading = people.velocity[n, 0], people.velocity[n, 1], people.heading[n]
@@ -258,7 +258,7 @@ def _pose_at(z: float, people: People, n: int, capsules: NDArray[np.float64]) ->
     return CAPSULES
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def see(beams: Beams, pose: Pose, people: People, n: int, dx: float, dy: float, hits: Hits) -> int:
     """How many beams meet person `n`, at (dx, dy) from the sensor in the map [m], if nothing else is there.
 
@@ -267,7 +267,7 @@ def see(beams: Beams, pose: Pose, people: People, n: int, dx: float, dy: float, 
     capsules = np.empty((CAPSULES, 7))
     parts = _pose_at(pose.z, people, n, capsules)
     x, y = _in_sensor(pose, dx, dy)
-    _person(beams, pose, x, y, people.id[n], capsules[:parts], hits)
+    _person(beams, pose, x, y, REACH * people.stature[n], people.id[n], capsules[:parts], hits)
     count = 0
     for k in range(len(hits.kind)):
         if hits.kind[k] != NOTHING:
@@ -276,7 +276,7 @@ def see(beams: Beams, pose: Pose, people: People, n: int, dx: float, dy: float, 
     return count
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _in_view(beams: Beams, x: float, y: float, radius: float) -> bool:
     """False if no beam can meet the disc around (x, y); to find out is cheaper than to pose somebody for nothing."""
     extent = beams.increment * len(beams.directions)
@@ -288,11 +288,12 @@ def _in_view(beams: Beams, x: float, y: float, radius: float) -> bool:
     return not (right or left) if extent < math.pi else not (right and left)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _person(
-    beams: Beams, pose: Pose, x: float, y: float, number: int, capsules: NDArray[np.float64], hits: Hits
+    beams: Beams, pose: Pose, x: float, y: float, reach: float, number: int, capsules: NDArray[np.float64], hits: Hits
 ) -> None:
-    """Somebody at (x, y), whose `capsules` are those of the map but around their own position."""
+    """Somebody at (x, y), whose `capsules` are those of the map but around their own position, within `reach`."""
+    may_hold_sensor = x * x + y * y <= reach * reach
     for c in range(len(capsules)):
         capsule = capsules[c]
         if not in_slab(capsule, pose.z):
@@ -300,7 +301,7 @@ def _person(
         ax, ay = _in_sensor(pose, capsule[0], capsule[1])
         bx, by = _in_sensor(pose, capsule[3], capsule[4])
         axis = Axis(x + ax, y + ay, capsule[2] - pose.z, bx - ax, by - ay, capsule[5] - capsule[2], capsule[6])
-        if holds_origin(axis):
+        if may_hold_sensor and holds_origin(axis):
             for k in range(len(beams.directions)):
                 _note(beams, k, 0.0, PERSON, number, BODY_PART[c], hits)
             continue
@@ -315,7 +316,7 @@ def _person(
                     _note(beams, k, distance, PERSON, number, BODY_PART[c], hits)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _robots(beams: Beams, pose: Pose, period: NDArray[np.float64], robots: Cylinders, hits: Hits) -> None:
     for n in range(len(robots.number)):
         if robots.height[n] < pose.z:
@@ -331,7 +332,7 @@ def _robots(beams: Beams, pose: Pose, period: NDArray[np.float64], robots: Cylin
                     _disc(beams, x, y, robots.radius[n], robots.number[n], hits)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _images(offset: float, reach: float, period: float) -> tuple[int, int]:
     """First and last number of periods that brings `offset` within `reach` of 0; none if the last is the smaller."""
     if period == 0.0:
@@ -339,7 +340,7 @@ def _images(offset: float, reach: float, period: float) -> tuple[int, int]:
     return math.ceil((-reach - offset) / period), math.floor((reach - offset) / period)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _disc(beams: Beams, x: float, y: float, radius: float, number: int, hits: Hits) -> None:
     away = math.sqrt(x * x + y * y)
     if away <= radius:
@@ -358,7 +359,7 @@ def _disc(beams: Beams, x: float, y: float, radius: float, number: int, hits: Hi
                 _note(beams, k, ahead - math.sqrt(depth), ROBOT, number, NO_PART, hits)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _note(beams: Beams, k: int, distance: float, kind: int, number: int, part: int, hits: Hits) -> None:
     if distance <= beams.limit and distance < hits.distance[k]:
         hits.distance[k], hits.kind[k], hits.agent[k], hits.body_part[k] = distance, kind, number, part
