@@ -162,8 +162,9 @@ class Itineraries:
         """The progress of people who are at `position` (N, 2) [m] at `time` [ns], and (N,) True for who leaves."""
         journey, stop, until = progress.journey, progress.stop.copy(), progress.until.copy()
         leaves = np.zeros(len(stop), np.bool_)
-        bounds = self._bounds[self._area[journey, stop]]
-        inside = ((bounds[:, 0] <= position) & (position <= bounds[:, 1])).all(axis=1)
+        left, bottom, right, top = self._bounds.reshape(-1, 4).T[:, self._area[journey, stop]]
+        x, y = position.T
+        inside = (left <= x) & (x <= right) & (bottom <= y) & (y <= top)
         changing = np.flatnonzero(np.where(until >= 0, until <= time, inside))
         # In the order of the list: who draws which waiting time depends on nothing else.
         for i in changing:
