@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from crowdcosim.mesh import Mesh, section, triangles
 from crowdcosim.obstacles import HEIGHT, Obstacle, inside
 
 
@@ -41,6 +42,8 @@ class World:
     """all walls, numbered from 1 in this order"""
     obstacles: tuple[Obstacle, ...] = ()
     """boxes, discs and polygons that nothing goes through, numbered on after the walls"""
+    mesh: Mesh | None = None
+    """a mesh file, seen by LiDARs and cameras and numbered last; people and robots go through it"""
     ceiling: float | None = None
     """height of a ceiling over everything, with lamps, seen by cameras; none: the open sky [m]"""
 
@@ -71,6 +74,15 @@ class World:
         """(W,) how high each of `segments` is [m]."""
         heights = np.array([thing.height for thing in (*self.walls, *self.obstacles)], np.float64)
         return heights[self.segment_numbers.astype(np.intp) - 1]
+
+    def mesh_section(self, height: float) -> tuple[NDArray[np.uint32], NDArray[np.float64]]:
+        """(S,) its number, and (S, 2, 2) the segments in which the plane at `height` cuts the mesh [m].
+
+        Raises:
+            ValueError: if the mesh cannot be read.
+        """
+        cut = section(triangles(self.mesh), height) if self.mesh else np.zeros((0, 2, 2))
+        return np.full(len(cut), len(self.walls) + len(self.obstacles) + 1, np.uint32), cut
 
     @cached_property
     def segments_for_people(self) -> NDArray[np.float64]:

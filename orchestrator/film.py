@@ -71,7 +71,10 @@ class Film:
     def _picture(self, view: View, time: float, states: list[RobotState]) -> Picture:
         world = _cut_open(self.scenario.world, view)
         if world not in self._renderers:
-            self._renderers[world] = Renderer(world)
+            try:
+                self._renderers[world] = Renderer(world)
+            except ValueError as error:  # its mesh is on another machine, or gone
+                raise InputError(f"world.mesh: {error}") from None
         models = {robot.name: robot for robot in self._robots}
         robots = Cylinders(
             np.array([models[s.name].number for s in states], np.uint32),

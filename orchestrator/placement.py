@@ -27,7 +27,12 @@ def world_of(entry: WorldEntry) -> World:
     """The world with the walls that its boundary stands for, after its own."""
     walls = entry.walls + boundary(entry)
     return World(
-        size=entry.size, periodic=entry.periodic, walls=walls, obstacles=entry.obstacles, ceiling=entry.ceiling
+        size=entry.size,
+        periodic=entry.periodic,
+        walls=walls,
+        obstacles=entry.obstacles,
+        mesh=entry.mesh,
+        ceiling=entry.ceiling,
     )
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, replace
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
+from crowdcosim.mesh import triangles
 from crowdcosim.robots import Robot, RobotModel
 from crowdcosim.world import World
 from orchestrator import extends
@@ -98,6 +100,7 @@ def _checked(tree: Node, *, trust: bool = False) -> Scenario:
     if file is None:
         raise ScenarioError(problems)
     problems.extend(_time_problems(file, tree))
+    file = _with_mesh_found(file, tree, trust, problems)
     world, robots = world_of(file.world), _robots(file)
     problems.extend(placement_problems(world, robots, tree))
     if not (trust or problems):
@@ -159,6 +162,20 @@ def _with_model(robot: Node, key: str, problems: list[Problem]) -> Node:
         problems.extend(error.problems)
         model = from_python(_ANY_ROBOT, model.place)  # so that the other problems are found too
     return replace(robot, value=robot.value | {"model": model})
+
+
+def _with_mesh_found(file: ScenarioFile, tree: Node, trust: bool, problems: list[Problem]) -> ScenarioFile:
+    """The scenario with the absolute path of its mesh, which is read once to see whether it can be."""
+    if file.world.mesh is None:
+        return file
+    place = tree.nearest("world", "mesh", "file").place
+    mesh = replace(file.world.mesh, file=os.path.abspath(place.folder / file.world.mesh.file))
+    if not trust:
+        try:
+            triangles(mesh)
+        except ValueError as error:
+            problems.append(Problem(place, "world.mesh.file", str(error)))
+    return replace(file, world=replace(file.world, mesh=mesh))
 
 
 def _name_problems(tree: Node) -> Iterator[Problem]:

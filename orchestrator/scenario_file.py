@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter
 
+from crowdcosim.mesh import Mesh
 from crowdcosim.obstacles import Obstacle
 from crowdcosim.robots import Pose, RobotModel, Target
 from crowdcosim.world import Wall, World
@@ -112,6 +113,8 @@ class WorldEntry:
     """further walls"""
     obstacles: tuple[Obstacle, ...] = ()
     """boxes, discs and polygons that nothing goes through"""
+    mesh: Mesh | None = None
+    """a mesh file, seen by LiDARs and cameras; people and robots go through it"""
     ceiling: Positive | None = None
     """height of a ceiling over everything, with lamps, seen by cameras; none: the open sky [m]"""
 

@@ -18,8 +18,12 @@ class Surroundings:
 
     def __init__(self, setup: Setup, height: float) -> None:
         seen = setup.world.segment_heights >= height
-        self.walls = Walls(setup.world.segment_numbers[seen], setup.world.segments[seen])
-        """those that are as high as the sensor"""
+        numbers, cut = setup.world.mesh_section(height)
+        self.walls = Walls(
+            np.concatenate([setup.world.segment_numbers[seen], numbers]),
+            np.concatenate([setup.world.segments[seen], cut]),
+        )
+        """those that are as high as the sensor, and the section of the mesh"""
         self.period = setup.world.period
         """(2,) of the map [m]"""
         self._height_of = {robot.name: robot.model.height for robot in setup.robots}

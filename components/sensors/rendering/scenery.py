@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from components.sensors.scan import Cylinders
+from crowdcosim.mesh import triangles
 from crowdcosim.messages import BeamAgents
 from crowdcosim.obstacles import Disc
 from crowdcosim.world import World
@@ -41,7 +42,11 @@ class Scenery(NamedTuple):
 
 
 def world_scenery(world: World) -> Scenery:
-    """All that stands still in the world."""
+    """All that stands still in the world.
+
+    Raises:
+        ValueError: if its mesh cannot be read.
+    """
     parts = []
     for number, wall in enumerate(world.walls, 1):
         parts.append(_upright(np.array([wall.start, wall.end]), 0.0, wall.height, WALL, number))
@@ -54,6 +59,9 @@ def world_scenery(world: World) -> Scenery:
                 side = side._replace(paint=np.full(2, PILLAR, np.uint8), place=np.tile(place, (2, 1)))
             parts.append(side)
         parts.append(_level(outline, obstacle.height, number))
+    if world.mesh:
+        number = len(world.walls) + len(world.obstacles) + 1
+        parts.append(_scenery(triangles(world.mesh), MESH, BeamAgents.WALL, number, np.zeros(6)))
     return joined(parts)
 
 
