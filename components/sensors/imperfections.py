@@ -218,16 +218,16 @@ class Dropout:
         return lambda r, time: _drop(r, key_of(key, time), self.probability)
 
 
-Kind = Gaussian | RangeDependent | White | Bias | Drift | Spikes | Quantisation | MixedPixels | Dropout
-
-
 class Chain:
     """The errors of one signal at work during an episode, in the order of the list."""
 
     def __init__(self, kinds: Iterable[object], signal: Signal, seed: int, *stream: int) -> None:
-        """`kinds` may hold those of `components.sensors.timing`; `stream` tells apart the signals of one sensor."""
+        """Begin with each kind that has a method `begin(key, signal)`, which those of `components.sensors.timing` lack.
+
+        `stream` tells apart the signals of one sensor.
+        """
         self._stages = [
-            kind.begin(key_of(seed, *stream, place), signal)  # type: ignore[attr-defined]
+            kind.begin(key_of(seed, *stream, place), signal)
             for place, kind in enumerate(kinds)
             if hasattr(kind, "begin")
         ]

@@ -49,3 +49,14 @@ def test_every_kind_of_sensor_tells_what_it_sees() -> None:
     way = told["encoders/ticks"].ticks.mean() / told["encoders/ticks"].ticks_per_turn[0] * 2 * math.pi * 0.035
     assert way == pytest.approx(state.position[0] - 5.0, abs=0.2)
     assert told["imu"].linear_acceleration.z == pytest.approx(9.8, abs=0.6)  # its bias has a deviation of 0.16
+
+
+def test_a_late_sensor_that_is_asked_every_second_tick_tells_what_it_took_a_step_of_its_own_before() -> None:
+    """Asked at 0, 0.2, 0.4 s; each message is 0.1 s under way and held until the next but one tick."""
+    lidar = {"use": "lidar", "every": 2, "config": {"imperfections": [{"kind": "latency", "delay": 0.1}]}}
+    settings = {"robots.robot.sensors.lidar": lidar, "crowd.config.count": 5, "end.time_limit": 1.0}
+    with Session("corridor", settings) as session:
+        stamps = [session.view.robot.sensors["lidar/scan"].header.stamp.nanosec]
+        for _ in range(6):
+            stamps.append(session.step().robot.sensors["lidar/scan"].header.stamp.nanosec)
+    assert stamps == [0, 0, 0, 0, 200_000_000, 200_000_000, 400_000_000]
