@@ -83,7 +83,7 @@ class Config:
     """P, and of nearly touching them"""
     margin: float = 0.15
     """gap from which proximity costs nothing [m]"""
-    goal: float = 8.0
+    goal: float = 12.0
     """G, cost per metre of falling behind"""
 
     def __post_init__(self) -> None:
