@@ -41,7 +41,7 @@ _OFTEN = 8
 """what changes little from pixel to pixel is worked out for one in so many"""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def paint_level(
     view: View,
     light: Light,
@@ -160,7 +160,7 @@ def paint_sky(view: View, light: Light, v: int, first: int, end: int, colour: ND
         put(colour, v, u, rgb)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def paint_triangle(
     view: View,
     light: Light,

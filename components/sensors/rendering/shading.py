@@ -1,4 +1,7 @@
-"""The colour of every pixel, once, for the surface that it sees; neighbours in a row that see the same, together."""
+"""The colour of every pixel, once, for the surface that it sees; neighbours in a row that see the same, together.
+
+The painters are inlined: a call for every few pixels would take as long as the painting.
+"""
 
 from __future__ import annotations
 
@@ -69,6 +72,7 @@ def shade_rows(
                     v,
                     first,
                     end,
+                    tone,
                     colour,
                 )
             elif code >= TRIANGLES:
