@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field
 
@@ -213,17 +214,16 @@ class _Camera(Sensor):
     def _depth(self, picture: Picture, time: int) -> NDArray:
         """(H, W) in the encoding of the config."""
         config = self.config
-        with np.errstate(divide="ignore"):
-            depth = 1.0 / picture.inverse_depth  # float32 holds 7 digits
+        inverse = picture.inverse_depth
         if self._chain:
-            readings = depth.astype(np.float64)
-            self._chain.apply(readings, time)
-            depth = readings.astype(np.float32)
-        near, far = depth < config.range_min, depth > config.range_max
+            with np.errstate(divide="ignore"):
+                readings = 1.0 / inverse.astype(np.float64)
+                self._chain.apply(readings, time)
+                inverse = (1.0 / readings).astype(np.float32)
+        depth = _measured(inverse, config.range_min, config.range_max)
         if config.depth_encoding == "16UC1":
-            depth[near | far] = 0.0
+            depth[~np.isfinite(depth)] = 0.0
             return np.rint(depth * np.float32(_MILLIMETRES)).astype(np.uint16)
-        depth[near], depth[far] = -np.inf, np.inf
         return depth
 
     def _info(self, header: Header) -> CameraInfo:
@@ -280,6 +280,17 @@ class LabelledCamera(_Camera):
     def step(self, robot: RobotState, crowd: Crowd, others: tuple[RobotState, ...]) -> LabelledImages:
         images: LabelledImages = self._step(robot, crowd, others)
         return images
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _measured(inverse: NDArray[np.float32], nearest: float, farthest: float) -> NDArray[np.float32]:
+    """(H, W) depths [m] from inverse ones [1/m], infinite where they are out of range."""
+    depth = np.empty_like(inverse)
+    for v in range(inverse.shape[0]):
+        for u in range(inverse.shape[1]):
+            d = np.float32(1.0) / inverse[v, u]
+            depth[v, u] = np.inf if d > farthest else -np.inf if d < nearest else d
+    return depth
 
 
 def _check_ids(ids: NDArray[np.uint32]) -> None:
