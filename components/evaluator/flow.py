@@ -19,6 +19,10 @@ NEIGHBOUR_RANGE = 1.0
 """Neighbours are at most this far from the robot, centre to centre [m]; the authors' code has 2."""
 
 
+ROUNDING = 1e-6
+"""a mean rate of turn below this is rounding of headings, and no turning [rad/s]"""
+
+
 class Mean:
     """A running mean."""
 
@@ -81,6 +85,6 @@ def neighbour_reaction(flow: Flow) -> float | Invalid:
     """
     if not flow.speed_near.count:
         return Invalid(reason="nobody came within 1 m of the robot")
-    if not flow.turn_rate_near.sum:
+    if flow.turn_rate_near.value < ROUNDING:
         return Invalid(reason="nobody within 1 m of the robot turned")
     return flow.turn_rate.value / flow.turn_rate_near.value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from components.evaluator.metric import Metric
 from components.evaluator.metrics import GROUPS
 from orchestrator.comparison import published
 from orchestrator.comparison.charts import RADAR, charts, colours, in_print, on_page
-from orchestrator.comparison.claims import Finding, findings, judgeable
+from orchestrator.comparison.claims import findings, judgeable
 from orchestrator.comparison.data import Comparison, load
 from orchestrator.comparison.statistics import Difference, Summary, difference, holm, summary
 
@@ -63,7 +63,7 @@ class Test:
 
 
 def write_comparison(folder: Path) -> dict[str, Path]:
-    """Write `report.html`, `summary.csv` and `figures/` into the folder of a sweep; returns name -> file.
+    """Write `report.html`, `summary.csv`, `claims.csv` and `figures/` into a sweep's folder; returns name -> file.
 
     Raises:
         InputError: if there are no results in it.
@@ -76,7 +76,11 @@ def write_comparison(folder: Path) -> dict[str, Path]:
     page, table = folder / "report.html", folder / "summary.csv"
     page.write_text(render(comparison), encoding="utf-8")
     summary_table(comparison).write_csv(table, float_precision=6)
-    return {"report": page, "summary": table, "figures": figures}
+    files = {"report": page, "summary": table, "figures": figures}
+    if judgeable(comparison):
+        files["claims"] = folder / "claims.csv"
+        pl.DataFrame([asdict(finding) for finding in findings(comparison)]).write_csv(files["claims"])
+    return files
 
 
 def render(comparison: Comparison) -> str:
@@ -288,6 +292,3 @@ def _versions(comparison: Comparison) -> Sequence[tuple[str, str]]:
     platforms = comparison.tables["timing"]
     machine = ", ".join(dict.fromkeys(platforms["platform"].to_list())) if not platforms.is_empty() else ""
     return [("commit", commits or "an installed package"), ("versions", versions), ("platform", machine)]
-
-
-__all__ = ["Finding", "render", "summary_table", "write_comparison"]

@@ -103,3 +103,11 @@ def test_people_who_come_and_go_are_told_apart_by_their_ids(scene: Any) -> None:
     found = scene.judge([(c, (robot,), (contacts,)) for c in (before, after)])
     assert found["neighbour_reaction"] == pytest.approx(1.0, rel=1e-12)
     assert found["neighbour_velocity"] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_headings_that_differ_by_rounding_only_are_no_turning(scene: Any) -> None:
+    frames = [
+        (scene.crowd([(0.5, 5.0), (9.0, 5.0)], [(1.0, 0.0)] * 2, [1e-15 * k, 0.1 * k]), (scene.robot((0.0, 5.0)),), ())
+        for k in range(10)
+    ]
+    assert scene.judge(frames)["neighbour_reaction"] == "nobody within 1 m of the robot turned"

@@ -79,6 +79,7 @@ def test_the_page_needs_no_network_and_has_arrivals_beside_safety_and_figures_fo
         assert "arrived" in section and "88 %" in section
     for number in (*published.COLLISION_RATE.values(), *published.COLLISION_ENERGY_RATE.values()):
         assert f"{number:.3f}" in page
+    assert pl.read_csv(files["claims"])["holds"].dtype == pl.Boolean
     names = {path.stem for path in (folder / "figures").glob("*.png")}
     assert names == {"radar", "energy", "heat_colliding", "heat_time_ratio", "intervals", "paths"}
     for name in names:
