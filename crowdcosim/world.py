@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +11,23 @@ from numpy.typing import NDArray
 
 from crowdcosim.mesh import Mesh, section, triangles
 from crowdcosim.obstacles import HEIGHT, Obstacle, inside
+
+
+@dataclass(frozen=True, kw_only=True)
+class Door:
+    """A closed door in a wall, which cameras see; a way through is a gap between two walls."""
+
+    at: float
+    """its middle, from the wall's start [m]"""
+    width: float = 0.9
+    """[m]"""
+    height: float = 2.1
+    """[m]"""
+
+    def __post_init__(self) -> None:
+        for name in ("width", "height"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,10 +42,27 @@ class Wall:
     """False: people walk through it, robots do not (the paper's corridor)"""
     height: float = HEIGHT
     """above the floor [m]"""
+    doors: tuple[Door, ...] = ()
+    """closed doors in it, from its start to its end"""
 
     def __post_init__(self) -> None:
         if not self.height > 0:
             raise ValueError(f"height is {self.height}, expected a positive number")
+        free = 0.0
+        for i, door in enumerate(self.doors):
+            left, right = door.at - 0.5 * door.width, door.at + 0.5 * door.width
+            if not (free <= left and right <= self.length and door.height <= self.height):
+                raise ValueError(
+                    f"doors[{i}] takes up {left:g} m to {right:g} m and is {door.height:g} m high, expected a place "
+                    f"between {free:g} m and the wall's length of {self.length:g} m, and at most its height of "
+                    f"{self.height:g} m"
+                )
+            free = right
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return math.dist(self.start, self.end)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,7 @@ from components.sensors.scan import Cylinders
 from crowdcosim.mesh import triangles
 from crowdcosim.messages import BeamAgents
 from crowdcosim.obstacles import Disc
-from crowdcosim.world import World
+from crowdcosim.world import Wall, World
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def world_scenery(world: World) -> Scenery:
     """
     parts = []
     for number, wall in enumerate(world.walls, 1):
-        parts.append(_upright(np.array([wall.start, wall.end]), 0.0, wall.height, WALL, number))
+        parts += _wall(wall, number)
     for number, obstacle in enumerate(world.obstacles, len(world.walls) + 1):
         outline = obstacle.outline
         for edge in np.stack([outline, np.roll(outline, -1, axis=0)], axis=1):
@@ -111,6 +111,25 @@ def _scenery(corner: Array, paint: int, kind: int, number: int, place: Array) ->
         np.full(count, number, np.uint32),
         np.tile(place, (count, 1)),
     )
+
+
+def _wall(wall: Wall, number: int) -> list[Scenery]:
+    """A wall as panels between its doors, over them, and the doors."""
+    start, end = np.array(wall.start), np.array(wall.end)
+    ahead = (end - start) / wall.length if wall.doors else end - start
+    parts, free = [], start
+    for door in wall.doors:
+        left, right = start + (door.at - 0.5 * door.width) * ahead, start + (door.at + 0.5 * door.width) * ahead
+        opening = np.array([left, right])
+        parts.append(_upright(opening, 0.0, door.height, DOOR, number))
+        if door.height < wall.height:
+            parts.append(_upright(opening, door.height, wall.height, WALL, number))
+        if (left != free).any():
+            parts.append(_upright(np.array([free, left]), 0.0, wall.height, WALL, number))
+        free = right
+    if (free != end).any():
+        parts.append(_upright(np.array([free, end]), 0.0, wall.height, WALL, number))
+    return parts
 
 
 def _upright(edge: Array, low: float, high: float, paint: int, number: int) -> Scenery:
