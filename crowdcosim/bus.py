@@ -9,10 +9,15 @@ from __future__ import annotations
 import json
 import socket
 import struct
+import tempfile
 import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import zenoh
+
+from crowdcosim.credentials import Admission, Credentials, CredentialsError, Obstacle, obstacle, stranger
 
 PROTOCOL = 1
 """Version of the protocol of `docs/protocol.md`; both sides must agree."""
@@ -179,37 +184,65 @@ class Presence:
 class Bus:
     """One Zenoh session. Use `listen` in the orchestrator and `connect` in a component."""
 
-    def __init__(self, session: Any, endpoint: str) -> None:
+    def __init__(self, session: Any, endpoint: str, identity: Mapping[str, str] | None = None) -> None:
         self._session = session
         self.endpoint = endpoint
         """where the router listens, such as tcp/127.0.0.1:40123"""
+        self.identity = dict(identity or {})
+        """`user` and `password` of the processes on this machine, if the router asks for any"""
         self._declared: list[Any] = []
 
     @classmethod
-    def listen(cls, endpoint: str | None = None) -> Bus:
+    def listen(cls, endpoint: str | None = None, *, admission: Admission | None = None) -> Bus:
         """A router session on `endpoint`, by default on a free port of the loopback interface.
 
+        Args:
+            endpoint: for the processes on this machine.
+            admission: a second endpoint, for components from outside, and what they must show.
+
         Raises:
-            BusError: if the endpoint cannot be listened on.
+            BusError: if an endpoint cannot be listened on, or a certificate, key or list of users cannot be used.
         """
         chosen = endpoint or f"tcp/127.0.0.1:{_free_port()}"
-        return cls(_open("router", "listen", chosen), chosen)
+        if admission is None:
+            return cls(_open("router", "listen", [chosen]), chosen)
+        try:
+            settings, passwords = admission.settings(), admission.passwords()
+        except CredentialsError as error:
+            raise BusError(str(error)) from None
+        endpoints = [chosen, admission.listen]
+        if not passwords:
+            return cls(_open("router", "listen", endpoints, settings), chosen)
+        user, password = stranger()  # Zenoh asks at every endpoint or at none
+        with _dictionary(passwords | {user: password}) as path:
+            session = _open("router", "listen", endpoints, settings | {"transport/auth/usrpwd/dictionary_file": path})
+        return cls(session, chosen, {"user": user, "password": password})
 
     @classmethod
-    def connect(cls, endpoint: str, deadline: float = 10.0) -> Bus:
-        """A client session of the router at `endpoint`, tried for `deadline` [s].
+    def connect(cls, endpoint: str, deadline: float = 10.0, *, credentials: Credentials | None = None) -> Bus:
+        """A client session of the router at `endpoint`, tried for `deadline` [s] or until it refuses us.
 
         Raises:
-            BusError: if nobody listens there.
+            BusError: if nobody listens there, or one of the two sides does not trust the other.
         """
+        shown = credentials or Credentials()
+        try:
+            settings = shown.settings()
+        except CredentialsError as error:
+            raise BusError(str(error)) from None
         until = time.monotonic() + deadline
+        cause = Obstacle("", False)
         while True:
             try:
-                return cls(_open("client", "connect", endpoint), endpoint)
+                return cls(_open("client", "connect", [endpoint], settings), endpoint)
             except BusError:
-                if time.monotonic() > until:
-                    raise
-                time.sleep(0.05)
+                # What is lasting is believed at the second failure: it may have begun to listen before our look.
+                if not cause.lasting:
+                    cause = obstacle(endpoint, shown)
+                    if time.monotonic() < until:
+                        time.sleep(0.05)
+                        continue
+                raise BusError(f"cannot connect to {endpoint}: {cause.text}") from None
 
     def publisher(self, key: str) -> Publisher:
         publisher = self._session.declare_publisher(
@@ -252,22 +285,34 @@ class Bus:
         self._session.close()
 
 
-def _open(mode: str, role: str, endpoint: str) -> Any:
-    config = zenoh.Config()
-    for key, value in (
-        ("mode", mode),
-        (f"{role}/endpoints", [endpoint]),
-        (f"{role}/exit_on_failure", True),
-        ("scouting/multicast/enabled", False),
-        ("scouting/gossip/enabled", False),
-        ("scouting/delay", 0),
-        ("transport/link/tx/lease", LEASE),
-    ):
-        config.insert_json5(key, json.dumps(value))
+def _open(mode: str, role: str, endpoints: list[str], settings: Mapping[str, object] | None = None) -> Any:
+    options: dict[str, object] = {
+        "mode": mode,
+        f"{role}/endpoints": endpoints,
+        f"{role}/exit_on_failure": True,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "scouting/delay": 0,
+        "transport/link/tx/lease": LEASE,
+        **(settings or {}),
+    }
     try:
+        config = zenoh.Config()
+        for key, value in options.items():
+            config.insert_json5(key, json.dumps(value))
         return zenoh.open(config)
     except zenoh.ZError as error:
-        raise BusError(f"cannot {role} at {endpoint}: {error}") from None
+        reason = str(error).partition(" at /")[0]  # a place in Zenoh's own source
+        raise BusError(f"cannot {role} at {' and '.join(endpoints)}: {reason}") from None
+
+
+@contextmanager
+def _dictionary(passwords: Mapping[str, str]) -> Iterator[str]:
+    """A file that only we can read, while Zenoh reads it."""
+    with tempfile.NamedTemporaryFile("w", prefix="crowdcosim-") as file:
+        file.writelines(f"{user}:{password}\n" for user, password in passwords.items())
+        file.flush()
+        yield file.name
 
 
 def _free_port() -> int:

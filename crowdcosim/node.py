@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 import traceback
+from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -16,6 +17,7 @@ from pydantic import TypeAdapter, ValidationError
 from crowdcosim.bus import PROTOCOL, Bus, BusError, Label, Mailbox, Publisher
 from crowdcosim.cdr import decode, encode, type_hash
 from crowdcosim.component import Component, ComponentError, Ports, make, ports_of, ports_with
+from crowdcosim.credentials import Credentials
 from crowdcosim.host import ComponentHost, Source, Wiring, blame
 from crowdcosim.loading import load_class
 from crowdcosim.message import Message, MessageError
@@ -228,9 +230,9 @@ def _refusal(error: Exception) -> dict[str, Any]:
     return {"error": blame(error)}
 
 
-def serve(endpoint: str, run: str, component: str, use: str) -> int:
+def serve(endpoint: str, run: str, component: str, use: str, credentials: Credentials | None = None) -> int:
     """Host the component that `use` names until the orchestrator says stop; the exit code."""
-    bus = Bus.connect(endpoint)
+    bus = Bus.connect(endpoint, credentials=credentials)
     code = Node(bus, run, component, use).serve()
     sys.stdout.flush()
     sys.stderr.flush()
@@ -242,20 +244,40 @@ def main() -> int:
     """The command line of an `external` component, or of one that runs in another Python environment."""
     parser = argparse.ArgumentParser(prog="python -m crowdcosim.node", description=__doc__)
     parser.add_argument("use", help="package.module:Class or ./file.py:Class")
-    for option, help_text in (
-        ("endpoint", "where the orchestrator listens, such as tcp/127.0.0.1:7450"),
-        ("run", "name of the run: the scenario's name"),
-        ("component", "this component's name in the scenario, such as robot/controller"),
+    for option, required, help_text in (
+        ("endpoint", True, "where the orchestrator listens, such as tcp/127.0.0.1:7450 or tls/robots.example:7450"),
+        ("run", True, "name of the run: the scenario's name"),
+        ("component", True, "this component's name in the scenario, such as robot/controller"),
+        ("authority", False, "certificates (PEM) of those who may sign the orchestrator's"),
+        ("certificate", False, "this component's certificate (PEM)"),
+        ("key", False, "the private key of that certificate (PEM)"),
+        ("user", False, "name to attach with; the password is in --password-file or $CROWDCOSIM_PASSWORD"),
     ):
         variable = f"CROWDCOSIM_{option.upper()}"
         value = os.environ.get(variable)
-        parser.add_argument(f"--{option}", default=value, required=value is None, help=f"{help_text} [${variable}]")
+        parser.add_argument(
+            f"--{option}", default=value, required=required and value is None, help=f"{help_text} [${variable}]"
+        )
+    parser.add_argument("--password-file", type=Path, help="file with the password of --user, and nothing else")
     arguments = parser.parse_args()
     try:
-        return serve(arguments.endpoint, arguments.run, arguments.component, arguments.use)
+        return serve(arguments.endpoint, arguments.run, arguments.component, arguments.use, _credentials(arguments))
     except BusError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+
+
+def _credentials(arguments: argparse.Namespace) -> Credentials:
+    authority, certificate, key = (
+        Path(path) if path else None for path in (arguments.authority, arguments.certificate, arguments.key)
+    )
+    password = os.environ.get("CROWDCOSIM_PASSWORD")
+    if arguments.password_file:
+        try:
+            password = arguments.password_file.read_text().rstrip("\r\n")
+        except OSError as error:
+            raise BusError(f"--password-file: cannot read {arguments.password_file}: {error.strerror}") from None
+    return Credentials(authority=authority, certificate=certificate, key=key, user=arguments.user, password=password)
 
 
 if __name__ == "__main__":

@@ -139,6 +139,8 @@ def leave_if_gone(token):
 if __name__ == "__main__":
     config = {"mode": "client", "connect": {"endpoints": [os.environ["CROWDCOSIM_ENDPOINT"]]}}
     config["scouting"] = {"multicast": {"enabled": False}, "gossip": {"enabled": False}}
+    if user := os.environ.get("CROWDCOSIM_USER"):
+        config["transport"] = {"auth": {"usrpwd": {"user": user, "password": os.environ["CROWDCOSIM_PASSWORD"]}}}
     with zenoh.open(zenoh.Config.from_json5(json.dumps(config))) as session:
         node = Node(session, os.environ["CROWDCOSIM_RUN"], os.environ["CROWDCOSIM_COMPONENT"])
         while node.answer() != "connect":

@@ -97,7 +97,7 @@ def run(
     ] = None,
     listen: Annotated[
         str | None,
-        typer.Option(metavar="ENDPOINT", help="Where `external` components attach, such as tcp/127.0.0.1:7450."),
+        typer.Option(metavar="ENDPOINT", help="Where `external` components attach: the scenario's `attach.listen`."),
     ] = None,
     record: Annotated[bool, typer.Option(help="Write a log and a report.")] = True,
     as_json: Json = False,

@@ -139,9 +139,11 @@ def _become_component(order: dict[str, Any], inherited: tuple[int, ...]) -> None
         for descriptor in inherited:
             if descriptor > 2:
                 os.close(descriptor)
+        from crowdcosim.credentials import Credentials
         from crowdcosim.node import serve
 
-        code = serve(order["endpoint"], order["run"], order["component"], order["use"])
+        shown = Credentials(**order["identity"])
+        code = serve(order["endpoint"], order["run"], order["component"], order["use"], shown)
     except BaseException:
         traceback.print_exc()
     finally:

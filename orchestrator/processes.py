@@ -53,11 +53,19 @@ class Processes:
         """Import modules before the first fork, so that no component has to."""
         self._order({"do": "preload", "modules": modules})
 
-    def fork(self, component: str, use: str, *, endpoint: str, run: str, log: Path) -> None:
-        """Host a Python component in a process of its own."""
+    def fork(self, component: str, use: str, *, endpoint: str, run: str, log: Path, **identity: str) -> None:
+        """Host a Python component in a process of its own; `identity` is the `user` and `password` it attaches with."""
         self.running.add(component)
         self._order(
-            {"do": "fork", "component": component, "use": use, "endpoint": endpoint, "run": run, "log": str(log)}
+            {
+                "do": "fork",
+                "component": component,
+                "use": use,
+                "endpoint": endpoint,
+                "run": run,
+                "identity": identity,
+                "log": str(log),
+            }
         )
 
     def execute(

@@ -60,7 +60,12 @@ class Remote:
         start_deadline: float,
         step_deadline: float,
         status: Callable[[str], None],
+        awaited: Mapping[str, str] | None = None,
     ) -> None:
+        """Say that the orchestrator is there, and begin to watch.
+
+        `awaited` has words for those who come from outside and have not: where they were expected.
+        """
         self._bus = bus
         self._processes = processes
         self._run = run
@@ -70,6 +75,7 @@ class Remote:
         self._step_deadline = step_deadline
         self._deadline = start_deadline
         self._status = status
+        self._awaited = awaited or {}
         self._mailbox = bus.mailbox(f"{run}/**")
         self._presence = bus.presence(f"{run}/**/alive")
         self._tick = bus.publisher(f"{run}/orchestrator/tick")
@@ -156,9 +162,9 @@ class Remote:
             self._hear_status()
             if time.monotonic() - self._last_sign > self._deadline:
                 missing = next(c for c in self.components if c not in ready)
-                raise RunError(
-                    missing, None, f"{complaint} within {self._deadline:g} s of start-up{self._tail(missing)}"
-                )
+                where = self._awaited.get(missing, "") if missing not in self._present else ""
+                text = f"{complaint} within {self._deadline:g} s of start-up{where}{self._tail(missing)}"
+                raise RunError(missing, None, text)
             time.sleep(0.002)
 
     def _hear_status(self) -> None:

@@ -9,10 +9,12 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
+from crowdcosim.credentials import Admission
 from crowdcosim.mesh import triangles
 from crowdcosim.robots import Robot, RobotModel
 from crowdcosim.world import World
 from orchestrator import extends
+from orchestrator.attach import admission_of
 from orchestrator.cameras import Camera
 from orchestrator.component_specs import ComponentSpec, component_specs
 from orchestrator.mounts import mount_problems
@@ -46,6 +48,8 @@ class Scenario:
     """run the robots without people first"""
     ending: Ending
     deadlines: Deadlines
+    admission: Admission | None
+    """who may attach from other machines; `resolved` has nothing of it"""
     cameras: Mapping[str, Camera]
     """those of its own, for `crowdcosim render`"""
     resolved: Mapping[str, Any]
@@ -101,6 +105,7 @@ def _checked(tree: Node, *, trust: bool = False) -> Scenario:
         raise ScenarioError(problems)
     problems.extend(_time_problems(file, tree))
     file = _with_mesh_found(file, tree, trust, problems)
+    admission = admission_of(file.attach, tree, problems)
     world, robots = world_of(file.world), _robots(file)
     problems.extend(placement_problems(world, robots, tree))
     if not (trust or problems):
@@ -120,6 +125,7 @@ def _checked(tree: Node, *, trust: bool = False) -> Scenario:
         reference=file.reference,
         ending=file.end,
         deadlines=file.deadlines,
+        admission=admission,
         cameras=file.cameras,
         resolved=_resolved(file, components),
     )
@@ -228,7 +234,7 @@ def _robots(file: ScenarioFile) -> tuple[Robot, ...]:
 
 def _resolved(file: ScenarioFile, components: tuple[ComponentSpec, ...]) -> dict[str, Any]:
     """The file with all defaults filled in, robots' models and components' options too."""
-    resolved: dict[str, Any] = adapter().dump_python(file, mode="json", exclude_none=True)
+    resolved: dict[str, Any] = adapter().dump_python(file, mode="json", exclude_none=True, exclude={"attach"})
     for component in components:
         mapping = resolved
         for key in component.path[:-1]:

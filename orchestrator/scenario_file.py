@@ -142,6 +142,23 @@ class Deadlines:
 
 
 @dataclass(frozen=True, kw_only=True)
+class AttachEntry:
+    """Where `external` components come in from other machines, and whom the orchestrator lets in. Paths are relative to
+    the file that says so. The log carries none of it."""
+
+    listen: str
+    """endpoint, such as tls/0.0.0.0:7450 or, unprotected, tcp/0.0.0.0:7450"""
+    certificate: str | None = None
+    """the orchestrator's certificate (PEM), for TLS"""
+    key: str | None = None
+    """the private key of `certificate` (PEM, without a passphrase)"""
+    authority: str | None = None
+    """if given, components must show a certificate that was signed by one of these (PEM)"""
+    users: str | None = None
+    """if given, components must show one of these: a file of lines `user:password`"""
+
+
+@dataclass(frozen=True, kw_only=True)
 class ScenarioFile:
     """A crowdcosim scenario."""
 
@@ -168,6 +185,8 @@ class ScenarioFile:
     """before the run, the robots do it without people: the ratios of the metrics compare with that"""
     end: Ending
     deadlines: Deadlines = field(default_factory=Deadlines)
+    attach: AttachEntry | None = None
+    """for components on other machines; if left out, the orchestrator listens on the loopback interface only"""
     cameras: Mapping[Name, Camera] = field(default_factory=dict)
     """camera's name -> what `crowdcosim render` looks through"""
 

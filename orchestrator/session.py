@@ -6,6 +6,7 @@ import json
 import time
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -241,7 +242,8 @@ class Session:
 
     def _reseed(self, seed: int) -> None:
         assert self._simulation is not None
-        self.scenario = load(self.scenario.resolved, [f"seed={seed}"])  # refuses what is no seed
+        again = load(self.scenario.resolved, [f"seed={seed}"])  # refuses what is no seed
+        self.scenario = replace(again, admission=self.scenario.admission)
         if not self.commanded:
             self._reference = None
         if self._simulation.inline:

@@ -18,6 +18,7 @@ from crowdcosim.loading import load_class
 from crowdcosim.messages import Goal, Header
 from crowdcosim.robots import Robot
 from crowdcosim.setup import Setup
+from orchestrator.attach import awaited, invitation
 from orchestrator.component_specs import ComponentSpec
 from orchestrator.errors import InputError, RunError, WiringError
 from orchestrator.latency import CommandInEffect, command_of, with_commands
@@ -43,7 +44,6 @@ class Simulation:
         *,
         logs: Path,
         processes: Processes | None = None,
-        listen: str | None = None,
         status: Callable[[str], None] = lambda text: None,
         commanded: Collection[str] = (),
     ) -> None:
@@ -52,7 +52,6 @@ class Simulation:
         Args:
             logs: folder for what the components' processes print.
             processes: a launcher that is already warming up.
-            listen: endpoint for components that attach from outside, by default a free port of the loopback.
             status: told what is being waited for.
             commanded: inline components whose say comes from outside, in the midst of a tick.
 
@@ -67,7 +66,7 @@ class Simulation:
         self._processes = (processes or Processes()) if outside else processes
         try:
             if outside:
-                self._remote = self._start(outside, logs, listen, status)
+                self._remote = self._start(outside, logs, status)
             self.graph = self._wire()
             self._hosts = {s.name: self._inline_host(s) for s in scenario.components if s.host == "inline"}
             self._hosts |= {command_of(s): self._command(s) for s in scenario.components if s.latency}
@@ -118,12 +117,10 @@ class Simulation:
             self._processes.close()
         self._remote = self._processes = None
 
-    def _start(
-        self, outside: list[ComponentSpec], logs: Path, listen: str | None, status: Callable[[str], None]
-    ) -> Remote:
+    def _start(self, outside: list[ComponentSpec], logs: Path, status: Callable[[str], None]) -> Remote:
         assert self._processes is not None
         try:
-            bus = Bus.listen(listen)
+            bus = Bus.listen(admission=self.scenario.admission)
         except BusError as error:
             raise InputError(str(error)) from None
         logs.mkdir(parents=True, exist_ok=True)
@@ -136,9 +133,10 @@ class Simulation:
             start_deadline=self.scenario.deadlines.start,
             step_deadline=self.scenario.deadlines.step,
             status=status,
+            awaited={spec.name: awaited(self.scenario.admission) for spec in outside if spec.host == "external"},
         )
         self._remote = remote
-        address = {"endpoint": bus.endpoint, "run": self.scenario.name}
+        address = {"endpoint": bus.endpoint, "run": self.scenario.name, **bus.identity}
         for spec in outside:
             log = remote.log_of(spec.name)
             if spec.host == "process":
@@ -150,10 +148,7 @@ class Simulation:
                     spec.name, spec.exec, folder=spec.cwd or Path.cwd(), environment=variables, log=log
                 )
             else:
-                status(
-                    f"waiting for {spec.name} to attach: "
-                    f"--endpoint {bus.endpoint} --run {self.scenario.name} --component {spec.name}"
-                )
+                status(invitation(self.scenario.name, spec.name, self.scenario.admission, bus.endpoint))
         return remote
 
     def _wire(self) -> Graph:

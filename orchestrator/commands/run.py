@@ -36,6 +36,8 @@ def run_scenario(
     """Run one episode and print what became of it."""
     if real_time is not None and not real_time > 0:
         raise InputError(f"--realtime is {real_time:g}, expected a positive number of simulated seconds per second")
+    if listen is not None:
+        settings = [*settings, f"attach.listen={listen}"]
     loaded = load(scenario, [*controller_settings(scenario, controllers), *settings])
     if record:
         _claim(out)
@@ -43,9 +45,7 @@ def run_scenario(
     log = out / "episode.mcap" if record else None
     with RunProgress(loaded.name, loaded.ending.time_limit, console) as watcher:
         try:
-            simulation = Simulation(
-                loaded, logs=out / "logs", processes=processes, listen=listen, status=watcher.status
-            )
+            simulation = Simulation(loaded, logs=out / "logs", processes=processes, status=watcher.status)
             try:
                 result = run_episode(simulation, log=log, real_time=real_time, began=began, watcher=watcher)
             except BaseException:

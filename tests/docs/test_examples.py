@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
+import socket
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from crowdcosim.bus import Bus
+from crowdcosim.credentials import Admission, Credentials
+
 ROOT = Path(__file__).parent.parent.parent
-NAMES = ("camera", "scenarios", "controllers", "crowd", "robots", "logs", "metrics", "sensors", "benchmark")
+NAMES = ("camera", "scenarios", "controllers", "crowd", "robots", "logs", "metrics", "sensors", "benchmark", "remote")
 PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in NAMES)]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
@@ -39,6 +44,22 @@ def test_every_example_of_the_page_runs(page: Path, tmp_path: Path) -> None:
                 assert process.returncode == 0, f"$ crowdcosim {command}\n{process.stdout}{process.stderr}"
                 ran += 1
     assert ran
+
+
+def test_the_certificates_of_the_remote_page_let_a_component_in(tmp_path: Path) -> None:
+    if shutil.which("openssl") is None:
+        pytest.skip("the page makes certificates with the program `openssl`")
+    (commands,) = (text for _, text in blocks(ROOT / "docs" / "remote.md") if "openssl" in text)
+    subprocess.run(["sh", "-e", "-c", commands], cwd=tmp_path, capture_output=True, timeout=60, check=True)
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        endpoint = f"tls/127.0.0.1:{probe.getsockname()[1]}"
+    authority, server, robot = (tmp_path / f"{name}.pem" for name in ("ca", "server", "robot"))
+    admission = Admission(listen=endpoint, certificate=server, key=tmp_path / "server.key", authority=authority)
+    credentials = Credentials(authority=authority, certificate=robot, key=tmp_path / "robot.key")
+    bus = Bus.listen(admission=admission)
+    Bus.connect(endpoint, credentials=credentials).close()
+    bus.close()
 
 
 def test_every_example_of_the_python_page_runs(tmp_path: Path) -> None:

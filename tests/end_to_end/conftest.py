@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,11 +41,14 @@ class Terminal:
         self._mark = uuid.uuid4().hex
         self.environment = os.environ | {MARK: self._mark, "COLUMNS": "120"}
 
-    def start(self, *arguments: str) -> subprocess.Popen[str]:
+    def start(
+        self, *arguments: str, module: str = "crowdcosim", within: Sequence[str] = (), **environment: str
+    ) -> subprocess.Popen[str]:
+        """`within` is a command that runs it in another place, such as `ip netns exec NAME`."""
         return subprocess.Popen(
-            [sys.executable, "-m", "crowdcosim", *arguments],
+            [*within, sys.executable, "-m", module, *arguments],
             cwd=self.folder,
-            env=self.environment,
+            env=self.environment | environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from crowdcosim.credentials import Admission
 from crowdcosim.loading import load_class
 from crowdcosim.robots import Pose
 from crowdcosim.world import Wall
@@ -192,6 +193,25 @@ def test_a_resolved_scenario_keeps_short_names_and_holds_its_robots(folder: Path
     assert resolved["robots"]["robot"]["controller"]["use"] == "baseline"
     assert resolved["robots"]["robot"]["model"]["radius"] == 0.177
     assert resolved["deadlines"] == {"start": 60.0, "step": 10.0}
+
+
+def test_who_may_attach_is_said_with_paths_relative_to_the_file_and_never_stored(folder: Path) -> None:
+    (folder / "office").mkdir()
+    (folder / "office" / "open.yaml").write_text(
+        "extends: ../base.yaml\n"
+        "attach: {listen: 'tls/0.0.0.0:7450', certificate: ./server.pem, key: ../server.key, users: /etc/users.txt}\n"
+    )
+    scenario = load("office/open.yaml", ["attach.authority=./ca.pem"])
+    assert scenario.admission == Admission(
+        listen="tls/0.0.0.0:7450",
+        certificate=folder / "office" / "server.pem",
+        key=folder / "server.key",
+        authority=Path.cwd() / "ca.pem",
+        users=Path("/etc/users.txt"),
+    )
+    assert "attach" not in scenario.resolved
+    assert "server" not in json.dumps(scenario.resolved)
+    assert load("base.yaml").admission is None
 
 
 def test_a_mapping_may_extend_a_shipped_scenario(folder: Path) -> None:
