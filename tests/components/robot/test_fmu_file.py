@@ -63,7 +63,7 @@ def refused(file, *words):
 
 
 def test_a_missing_file(tmp_path):
-    refused(tmp_path / "gone.fmu", "there is no FMU", "folder in which crowdcosim was started")
+    refused(tmp_path / "gone.fmu", "there is no FMU", "counts from that file")
 
 
 def test_a_file_that_is_no_zip(tmp_path):
