@@ -232,6 +232,10 @@ class Chain:
             if hasattr(kind, "begin")
         ]
 
+    def __bool__(self) -> bool:
+        """False if it changes nothing."""
+        return bool(self._stages)
+
     def apply(self, readings: Readings, time: int) -> None:
         """Change readings (K, n) in place; `time`: when they were taken [ns]."""
         for stage in self._stages:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -12,11 +13,13 @@ from components.sensors.rendering.clothing import BALD, LONG
 from components.sensors.rendering.light import (
     Colour,
     Light,
+    Vector,
     beyond,
     brightness,
     haziness,
     mixed,
     put,
+    put_blend,
     scaled,
     shortening,
 )
@@ -36,8 +39,8 @@ _TRUNK_ROUND = 0.36
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def paint_limb(
-    focal: float,
-    cx: float,
+    step: float,
+    x: float,
     y: float,
     floor: float,
     light: Light,
@@ -50,19 +53,17 @@ def paint_limb(
     n: int,
     k: int,
     c: int,
-    depths: NDArray[np.float32],
-    v: int,
-    first: int,
-    end: int,
-    tone: Array,
-    colour: NDArray[np.uint8],
+    depth: NDArray[np.float32],
+    one: NDArray[np.float32],
+    two: NDArray[np.float32],
+    line: NDArray[np.uint8],
 ) -> None:
-    """Fill the columns [first, end) of row v of `colour`, (H, W, 3), in which limb c of a person is seen.
+    """Fill P neighbours in a row in which limb c of a person is seen.
 
     Args:
-        focal: of the camera [pixels]
-        cx: column of its axis
-        y: of the rays (x, y, 1) of this row
+        step: from column to column, over the focal length
+        x: of the first pixel's ray (x, y, 1)
+        y: of all their rays
         floor: how far it is below the camera [m]
         light: the light
         cone: (V, 17, 8) of all people in sight, as in `Bodies`
@@ -74,113 +75,226 @@ def paint_limb(
         n: the person in the crowd
         k: the person in sight
         c: the limb
-        depths: (H, W) inverse depths [1/m]
-        v: the row
-        first: column
-        end: column after the last
-        tone: (W,) to work with
-        colour: to be filled
+        depth: (P,) inverse depths [1/m]
+        one: (P,) or longer, to work with
+        two: likewise
+        line: (3 P,) to be filled
     """
     up = light.up
-    ax, ay, az, p = cone[k, c, 0], cone[k, c, 1], cone[k, c, 2], cone[k, c, 3]
-    ex, ey, ez, taper = cone[k, c, 4] - ax, cone[k, c, 5] - ay, cone[k, c, 6] - az, p - cone[k, c, 7]
-    per = 1.0 / (ex * ex + ey * ey + ez * ez - taper * taper)
     ahead = (facing[k, 0], facing[k, 1], facing[k, 2])
-    left = (
+    own = _of(cloth, n, c)
+    # What hardly changes from pixel to pixel.
+    shorter = shortening(x + 0.5 * len(depth) * step, y)
+    there, rise = 1.0 / depth[0], x * up[0] + y * up[1] + up[2]
+    haze = haziness(there * there * (x * x + y * y + 1.0 - rise * rise))
+    tube = _tube(cone, k, c)
+    if c in (_LEFT_TRUNK, _RIGHT_TRUNK, _PELVIS):
+        oval = _oval(cone, k, ahead, _left(up, ahead))
+        _trunk(tube, oval, light, step, x, y, floor, shorter, c == _PELVIS, jacket, untucked, depth, one, two)
+        put_blend(line, one, two, own, _under_or_over(cloth, n, c), light.haze, haze)
+    elif c == _HEAD or c < _FOOT_END or (c == _NECK and style == LONG):
+        hair, left = _of(cloth, n, _HAIR), _left(up, ahead)
+        for i in range(len(depth)):
+            here, z = x + i * step, 1.0 / depth[i]
+            shade, rgb = _detailed(tube, light, ahead, left, here, y, z, step, floor, shorter, style, c, own, hair)
+            put(line, i, mixed(scaled(rgb, shade), light.haze, haze))
+    else:
+        _limb(tube, light, step, x, y, floor, shorter, depth, one)
+        put_blend(line, one, one, own, (0.0, 0.0, 0.0), light.haze, haze)
+
+
+class Tube(NamedTuple):
+    """A limb from its end a along e, with what its pixels have in common."""
+
+    ax: float
+    ay: float
+    az: float
+    ex: float
+    ey: float
+    ez: float
+    p: float
+    """radius at a [m]"""
+    fx: float
+    """of a point x, f.x - shift is how far it is along e"""
+    fy: float
+    fz: float
+    shift: float
+    thick: float
+    """one over the radius at a [1/m]"""
+    thinner: float
+    """what is added to it at the other end"""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _tube(cone: Array, k: int, c: int) -> Tube:
+    ax, ay, az, p, q = cone[k, c, 0], cone[k, c, 1], cone[k, c, 2], cone[k, c, 3], cone[k, c, 7]
+    ex, ey, ez, taper = cone[k, c, 4] - ax, cone[k, c, 5] - ay, cone[k, c, 6] - az, p - q
+    per = 1.0 / (ex * ex + ey * ey + ez * ez - taper * taper)
+    shift = (ax * ex + ay * ey + az * ez + p * taper) * per
+    thick = 1.0 / p
+    return Tube(ax, ay, az, ex, ey, ez, p, ex * per, ey * per, ez * per, shift, thick, 1.0 / q - thick)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _normal(tube: Tube, x: float, y: float, z: float) -> tuple[float, float, float, float, float]:
+    """Of the point z (x, y, 1): the unit normal, how far along the tube it is, 0 to 1, and one over the radius."""
+    s = min(max(z * (x * tube.fx + y * tube.fy + tube.fz) - tube.shift, 0.0), 1.0)
+    thin = tube.thick + s * tube.thinner
+    nx, ny, nz = x * z - tube.ax - s * tube.ex, y * z - tube.ay - s * tube.ey, z - tube.az - s * tube.ez
+    return nx * thin, ny * thin, nz * thin, s, thin
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _low(floor: float, up: Vector, x: float, y: float, z: float) -> float:
+    """Less light reaches what is low and between others."""
+    return 0.80 + 0.20 * min(max(floor + z * (x * up[0] + y * up[1] + up[2]), 0.0), 1.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _limb(
+    tube: Tube,
+    light: Light,
+    step: float,
+    x: float,
+    y: float,
+    floor: float,
+    shorter: float,
+    depth: NDArray[np.float32],
+    tone: NDArray[np.float32],
+) -> None:
+    """How bright the pixels of a limb of one colour are."""
+    for i in range(len(depth)):
+        here, z = x + i * step, 1.0 / depth[i]
+        nx, ny, nz, _, _ = _normal(tube, here, y, z)
+        tone[i] = brightness(light, nx, ny, nz, here, y, shorter) * _low(floor, light.up, here, y, z)
+
+
+class Oval(NamedTuple):
+    """The oval in the place of a trunk's two tubes: what is ahead of its axis and what is to the left of it."""
+
+    ahead: Vector
+    left: Vector
+    ahead_start: float
+    """of the axis' lower end, along `ahead` [m]"""
+    ahead_change: float
+    """what is added to it at the upper end"""
+    left_start: float
+    left_change: float
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _oval(cone: Array, k: int, ahead: Vector, left: Vector) -> Oval:
+    a, b = _LEFT_TRUNK, _RIGHT_TRUNK
+    low = (
+        0.5 * (cone[k, a, 0] + cone[k, b, 0]),
+        0.5 * (cone[k, a, 1] + cone[k, b, 1]),
+        0.5 * (cone[k, a, 2] + cone[k, b, 2]),
+    )
+    high = (
+        0.5 * (cone[k, a, 4] + cone[k, b, 4]),
+        0.5 * (cone[k, a, 5] + cone[k, b, 5]),
+        0.5 * (cone[k, a, 6] + cone[k, b, 6]),
+    )
+    start, aside = _dot(low, ahead), _dot(low, left)
+    return Oval(ahead, left, start, _dot(high, ahead) - start, aside, _dot(high, left) - aside)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _trunk(
+    tube: Tube,
+    oval: Oval,
+    light: Light,
+    step: float,
+    x: float,
+    y: float,
+    floor: float,
+    shorter: float,
+    pelvis: bool,
+    jacket: bool,
+    untucked: bool,
+    depth: NDArray[np.float32],
+    one: NDArray[np.float32],
+    two: NDArray[np.float32],
+) -> None:
+    """How bright the pixels of a trunk or pelvis are, in its own colour and in that of what is over or under it."""
+    ahead, left, up, p = oval.ahead, oval.left, light.up, tube.p
+    along = 0.0 if pelvis else 1.0
+    shirt, open_ = pelvis and untucked, jacket and not pelvis
+    for i in range(len(depth)):
+        here, z = x + i * step, 1.0 / depth[i]
+        nx, ny, nz, s, _ = _normal(tube, here, y, z)
+        t, pixel = s * along, z * step
+        forth = z * (here * ahead[0] + y * ahead[1] + ahead[2]) - oval.ahead_start - t * oval.ahead_change
+        aside = z * (here * left[0] + y * left[1] + left[2]) - oval.left_start - t * oval.left_change
+        rise = (nx * up[0] + ny * up[1] + nz * up[2] + 0.25) * p
+        over = beyond(rise, 0.0, pixel) if shirt else 0.0
+        under = 1.0 - beyond(abs(aside), (0.10 + 0.25 * s) * p, pixel) if open_ and forth > 0.0 else 0.0
+        # It rounds off at the shoulders.
+        wide = _TRUNK_ROUND * aside
+        size = 0.75 / math.sqrt(forth * forth + wide * wide + 1e-9)
+        forth, wide = forth * size, wide * size
+        nx, ny, nz = (
+            0.35 * nx + forth * ahead[0] + wide * left[0],
+            0.35 * ny + forth * ahead[1] + wide * left[1],
+            0.35 * nz + forth * ahead[2] + wide * left[2],
+        )
+        norm = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz)
+        shade = brightness(light, nx * norm, ny * norm, nz * norm, here, y, shorter) * _low(floor, up, here, y, z)
+        other = shade * (over + under)
+        one[i], two[i] = shade - other, other
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _under_or_over(cloth: NDArray[np.float32], n: int, c: int) -> Colour:
+    """What shows beside a trunk's own colour: a shirt over the pelvis, or under a jacket."""
+    return _of(cloth, n, _LEFT_TRUNK if c == _PELVIS else _SHIRT_UNDER)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _detailed(
+    tube: Tube,
+    light: Light,
+    ahead: Vector,
+    left: Vector,
+    x: float,
+    y: float,
+    z: float,
+    step: float,
+    floor: float,
+    shorter: float,
+    style: int,
+    c: int,
+    own: Colour,
+    hair: Colour,
+) -> tuple[float, Colour]:
+    """How bright a pixel of a head, a neck under long hair or a foot is, and its colour."""
+    up, pixel = light.up, z * step
+    nx, ny, nz, _, thin = _normal(tube, x, y, z)
+    shade = brightness(light, nx, ny, nz, x, y, shorter) * _low(floor, up, x, y, z)
+    if c == _HEAD:
+        size = tube.thick + tube.thinner
+        there = (x * z - tube.ax - tube.ex, y * z - tube.ay - tube.ey, z - tube.az - tube.ez)
+        aside = _dot(there, left) * size
+        return shade, _head(_dot(there, ahead) * size, aside, _dot(there, up) * size, pixel * size, style, own, hair)
+    if c < _FOOT_END:
+        fall = -(nx * up[0] + ny * up[1] + nz * up[2]) - 0.35
+        return shade, scaled(own, 1.0 - 0.55 * beyond(fall, 0.0, pixel * thin))
+    back = 0.2 - (nx * ahead[0] + ny * ahead[1] + nz * ahead[2])
+    return shade, mixed(own, hair, beyond(back, 0.0, pixel * thin))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _left(up: Vector, ahead: Vector) -> Vector:
+    return (
         up[1] * ahead[2] - up[2] * ahead[1],
         up[2] * ahead[0] - up[0] * ahead[2],
         up[0] * ahead[1] - up[1] * ahead[0],
     )
-    thick, thinner = 1.0 / p, 1.0 / (p - taper) - 1.0 / p
-    own, hair = _of(cloth, n, c), _of(cloth, n, _HAIR)
-    step = 1.0 / focal
-    # What hardly changes from pixel to pixel.
-    shorter = shortening((0.5 * (first + end) - cx) * step, y)
-    there, x = 1.0 / depths[v, first], (first - cx) * step
-    rise = x * up[0] + y * up[1] + up[2]
-    haze = haziness(there * there * (x * x + y * y + 1.0 - rise * rise))
-    head = c == _HEAD
-    trunk = c in (_LEFT_TRUNK, _RIGHT_TRUNK, _PELVIS)
-    plain = not (head or trunk or c < _FOOT_END or (c == _NECK and style == LONG))
-    if trunk:
-        shirt, under = _of(cloth, n, _LEFT_TRUNK), _of(cloth, n, _SHIRT_UNDER)
-        jacket, untucked = jacket and c != _PELVIS, untucked and c == _PELVIS
-        a, b = _LEFT_TRUNK, _RIGHT_TRUNK
-        mx, my, mz = (
-            0.5 * (cone[k, a, 0] + cone[k, b, 0]),
-            0.5 * (cone[k, a, 1] + cone[k, b, 1]),
-            0.5 * (cone[k, a, 2] + cone[k, b, 2]),
-        )
-        tx, ty, tz = (
-            0.5 * (cone[k, a, 4] + cone[k, b, 4]) - mx,
-            0.5 * (cone[k, a, 5] + cone[k, b, 5]) - my,
-            0.5 * (cone[k, a, 6] + cone[k, b, 6]) - mz,
-        )
-    if plain:
-        # Of one colour: without branches, so that the loop becomes vector instructions.
-        u0, u1, u2 = up[0], up[1], up[2]
-        for u in range(first, end):
-            x, z = (u - cx) * step, 1.0 / depths[v, u]
-            qx, qy, qz = x * z - ax, y * z - ay, z - az
-            s = min(max((ex * qx + ey * qy + ez * qz - p * taper) * per, 0.0), 1.0)
-            thin = thick + s * thinner
-            nx, ny, nz = (qx - s * ex) * thin, (qy - s * ey) * thin, (qz - s * ez) * thin
-            height = min(max(floor + z * (x * u0 + y * u1 + u2), 0.0), 1.0)
-            tone[u] = brightness(light, nx, ny, nz, x, y, shorter) * (0.80 + 0.20 * height)
-        for u in range(first, end):
-            put(colour, v, u, mixed(scaled(own, tone[u]), light.haze, haze))
-        return
-    for u in range(first, end):
-        x, z = (u - cx) * step, 1.0 / depths[v, u]
-        px, py = x * z, y * z
-        pixel = z * step
-        qx, qy, qz = px - ax, py - ay, z - az
-        s = min(max((ex * qx + ey * qy + ez * qz - p * taper) * per, 0.0), 1.0)
-        thin = thick + s * thinner
-        nx, ny, nz = (qx - s * ex) * thin, (qy - s * ey) * thin, (qz - s * ez) * thin
-        rgb = own
-        if head:
-            i, j, m, size = px - ax - ex, py - ay - ey, z - az - ez, thick + thinner
-            rgb = _head(
-                (i * ahead[0] + j * ahead[1] + m * ahead[2]) * size,
-                (i * left[0] + j * left[1] + m * left[2]) * size,
-                (i * up[0] + j * up[1] + m * up[2]) * size,
-                pixel * size,
-                style,
-                own,
-                hair,
-            )
-        elif trunk:
-            t = s if c != _PELVIS else 0.0
-            i, j, m = px - mx - t * tx, py - my - t * ty, z - mz - t * tz
-            forth = i * ahead[0] + j * ahead[1] + m * ahead[2]
-            aside = i * left[0] + j * left[1] + m * left[2]
-            if untucked:
-                rise = (nx * up[0] + ny * up[1] + nz * up[2] + 0.25) * p
-                rgb = mixed(own, shirt, beyond(rise, 0.0, pixel))
-            elif jacket and forth > 0.0:
-                rgb = mixed(under, own, beyond(abs(aside), (0.10 + 0.25 * s) * p, pixel))
-            # An oval in the place of two tubes, which rounds off at the shoulders.
-            wide = _TRUNK_ROUND * aside
-            oval = 0.75 / math.sqrt(forth * forth + wide * wide + 1e-9)
-            forth, wide = forth * oval, wide * oval
-            nx, ny, nz = (
-                0.35 * nx + forth * ahead[0] + wide * left[0],
-                0.35 * ny + forth * ahead[1] + wide * left[1],
-                0.35 * nz + forth * ahead[2] + wide * left[2],
-            )
-            norm = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz)
-            nx, ny, nz = nx * norm, ny * norm, nz * norm
-        elif c < _FOOT_END:
-            fall = -(nx * up[0] + ny * up[1] + nz * up[2]) - 0.35
-            rgb = scaled(own, 1.0 - 0.55 * beyond(fall, 0.0, pixel * thin))
-        else:
-            back = 0.2 - (nx * ahead[0] + ny * ahead[1] + nz * ahead[2])
-            rgb = mixed(own, hair, beyond(back, 0.0, pixel * thin))
-        # Less light reaches what is low and between others.
-        height = min(max(floor + px * up[0] + py * up[1] + z * up[2], 0.0), 1.0)
-        shade = brightness(light, nx, ny, nz, x, y, shorter) * (0.80 + 0.20 * height)
-        put(colour, v, u, mixed(scaled(rgb, shade), light.haze, haze))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -16,6 +16,7 @@ from components.sensors.rendering.light import (
     haziness,
     mixed,
     put,
+    put_blend,
     scaled,
     shortening,
     speckle,
@@ -46,44 +47,36 @@ def paint_level(
     view: View,
     light: Light,
     size: Array,
-    depths: NDArray[np.float32],
+    inverse: float,
     shade: NDArray[np.float32],
-    v: int,
-    first: int,
-    end: int,
+    x: float,
+    y: float,
     floor: bool,
-    tone: Array,
-    part: Array,
-    colour: NDArray[np.uint8],
+    one: NDArray[np.float32],
+    two: NDArray[np.float32],
+    line: NDArray[np.uint8],
 ) -> None:
-    """Fill the columns [first, end) of row v in which the floor, or else the ceiling, is seen.
+    """Fill P neighbours in a row, from the ray (x, y, 1) on, in which the floor, or else the ceiling, is seen.
 
-    `size`: (2,) of the world [m]; `depths` and `shade`: (H, W) inverse depths [1/m] and shadows on the floor; `tone`
-    and `part`: (W,) to work with.
+    `size`: (2,) of the world [m]; `inverse`: inverse depth of them all [1/m]; `shade`: (P,) shadows on the floor; `one`
+    and `two`: (P,) or longer, to work with; `line`: (3 P,) to be filled.
     """
     axes, step = view.axes, 1.0 / view.focal
-    y = (v - view.cy) * step
-    rise, z = axes[1, 2] * y + axes[2, 2], 1.0 / depths[v, first]
-    # Ray and point of column u are linear in u.
+    rise, z = axes[1, 2] * y + axes[2, 2], 1.0 / inverse
+    # Ray and point are linear in the column.
     sx, sy = axes[0, 0] * step, axes[0, 1] * step
-    rx, ry = axes[1, 0] * y + axes[2, 0] - sx * view.cx, axes[1, 1] * y + axes[2, 1] - sy * view.cx
+    rx, ry = axes[0, 0] * x + axes[1, 0] * y + axes[2, 0], axes[0, 1] * x + axes[1, 1] * y + axes[2, 1]
     slide = step * axes[1, 2] / rise
     # How far a pixel reaches along x and y.
     downx, downy, acrossx, acrossy = axes[1, 0] * step * z, axes[1, 1] * step * z, abs(sx) * z, abs(sy) * z
     hx, hy = view.position[0], view.position[1]
-    haze = haziness(z * z * ((rx + sx * first) ** 2 + (ry + sy * first) ** 2))
+    haze = haziness(z * z * (rx * rx + ry * ry))
     if floor:
-        _floor(
-            hx, hy, rx, ry, sx, sy, z, downx, downy, acrossx, acrossy, slide, size[0], size[1], first, end, tone, part
-        )
-        for u in range(first, end):
-            rgb = scaled(mixed((0.60, 0.605, 0.60), scaled((0.655, 0.635, 0.605), tone[u]), part[u]), shade[v, u])
-            put(colour, v, u, mixed(rgb, light.haze, haze))
+        _floor(hx, hy, rx, ry, sx, sy, z, downx, downy, acrossx, acrossy, slide, size[0], size[1], shade, one, two)
+        put_blend(line, one, two, (0.60, 0.605, 0.60), (0.655, 0.635, 0.605), light.haze, haze)
     else:
-        _ceiling(hx, hy, rx, ry, sx, sy, z, downx, downy, acrossx, acrossy, slide, first, end, tone, part)
-        for u in range(first, end):
-            rgb = mixed(scaled((0.80, 0.80, 0.785), tone[u]), (1.0, 1.0, 0.985), part[u])
-            put(colour, v, u, mixed(rgb, light.haze, haze))
+        _ceiling(hx, hy, rx, ry, sx, sy, z, downx, downy, acrossx, acrossy, slide, len(shade), one, two)
+        put_blend(line, one, two, (0.80, 0.80, 0.785), (1.0, 1.0, 0.985), light.haze, haze)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -102,23 +95,22 @@ def _floor(
     slide: float,
     length: float,
     width: float,
-    first: int,
-    end: int,
-    tone: Array,
-    part: Array,
+    shade: NDArray[np.float32],
+    ground: NDArray[np.float32],
+    tiles: NDArray[np.float32],
 ) -> None:
-    """How bright the tiles are, and which share of a pixel is within the world, around which there is plain ground."""
+    """How bright the ground and the tiles are, times the share of a pixel outside and within the world."""
     often = 1.0 / _TILE
-    for u in range(first, end):
+    for u in range(len(shade)):
         dx, dy = rx + sx * u, ry + sy * u
         px, py = hx + dx * z, hy + dy * z
         wx, wy = acrossx + abs(downx - dx * z * slide), acrossy + abs(downy - dy * z * slide)
         gap = (1.0 - striped(px, _TILE, often, _JOINT, wx)) * (1.0 - striped(py, _TILE, often, _JOINT, wy))
         clear = max(1.0 - max(wx, wy) * often, 0.0)
         tint = 1.0 + 0.09 * clear * (speckle(np.floor(px * often), np.floor(py * often)) - 0.5)
-        tone[u] = tint * (0.70 + 0.30 * gap)
-        inside = min(min(px, length - px) / wx, min(py, width - py) / wy)
-        part[u] = min(max(inside + 0.5, 0.0), 1.0)
+        inside = min(max(min(min(px, length - px) / wx, min(py, width - py) / wy) + 0.5, 0.0), 1.0)
+        ground[u] = shade[u] * (1.0 - inside)
+        tiles[u] = shade[u] * inside * tint * (0.70 + 0.30 * gap)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -135,29 +127,28 @@ def _ceiling(
     acrossx: float,
     acrossy: float,
     slide: float,
-    first: int,
-    end: int,
-    tone: Array,
-    part: Array,
+    count: int,
+    panels: NDArray[np.float32],
+    lamps: NDArray[np.float32],
 ) -> None:
-    """How bright the panels are, and which share of a pixel is on a lamp."""
+    """How bright the panels are, times the share of a pixel on them, and the share on a lamp."""
     often = 1.0 / _PANEL
-    for u in range(first, end):
+    for u in range(count):
         dx, dy = rx + sx * u, ry + sy * u
         px, py = hx + dx * z, hy + dy * z
         wx, wy = acrossx + abs(downx - dx * z * slide), acrossy + abs(downy - dy * z * slide)
         gap = (1.0 - striped(px, _PANEL, often, 0.012, wx)) * (1.0 - striped(py, _PANEL, often, 0.012, wy))
-        tone[u] = 0.92 + 0.08 * gap
-        part[u] = striped(px - 1.5, 3.0, 1.0 / 3.0, 1.2, wx) * striped(py - 1.25, 2.5, 0.4, 0.6, wy)
+        lamp = striped(px - 1.5, 3.0, 1.0 / 3.0, 1.2, wx) * striped(py - 1.25, 2.5, 0.4, 0.6, wy)
+        panels[u], lamps[u] = (0.92 + 0.08 * gap) * (1.0 - lamp), lamp
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def paint_sky(view: View, light: Light, v: int, first: int, end: int, colour: NDArray[np.uint8]) -> None:
-    """Fill the columns [first, end) of row v in which the sky is seen."""
-    rise = view.axes[1, 2] * (v - view.cy) / view.focal + view.axes[2, 2]
+def paint_sky(view: View, light: Light, y: float, line: NDArray[np.uint8]) -> None:
+    """Fill all pixels of `line`, (3 P,), neighbours in a row of rays (x, y, 1) in which the sky is seen."""
+    rise = view.axes[1, 2] * y + view.axes[2, 2]
     rgb = mixed(light.haze, (0.50, 0.67, 0.88), min(max(1.4 * rise, 0.0), 1.0))
-    for u in range(first, end):
-        put(colour, v, u, rgb)
+    for i in range(len(line) // 3):
+        put(line, i, rgb)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -166,15 +157,16 @@ def paint_triangle(
     light: Light,
     scenery: Scenery,
     t: int,
-    depths: NDArray[np.float32],
-    v: int,
-    first: int,
-    end: int,
-    colour: NDArray[np.uint8],
+    start: float,
+    y: float,
+    depth: NDArray[np.float32],
+    line: NDArray[np.uint8],
 ) -> None:
-    """Fill the columns [first, end) of row v in which triangle t is seen."""
-    axes, step, cx = view.axes, 1.0 / view.focal, view.cx
-    y = (v - view.cy) * step
+    """Fill P neighbours in a row, from the ray (start, y, 1) on, in which triangle t is seen.
+
+    `depth`: (P,) inverse depths [1/m]; `line`: (3 P,) to be filled.
+    """
+    axes, step = view.axes, 1.0 / view.focal
     hx, hy, hz = view.position[0], view.position[1], view.position[2]
     paint, number = scenery.paint[t], int(scenery.number[t])
     ox, oy, ux, uy, length, height = (
@@ -186,11 +178,14 @@ def paint_triangle(
         scenery.place[t, 5],
     )
     nx, ny, nz = scenery.normal[t, 0], scenery.normal[t, 1], scenery.normal[t, 2]
+    if paint == WALL:
+        _wall_line(view, light, (ox, oy), (ux, uy), (nx, ny), start, y, depth, line)
+        return
     round_ = paint in (PILLAR, ROBOT)
     light_here = haze = 0.0
     rgb = (0.0, 0.0, 0.0)
-    for u in range(first, end):
-        x, z = (u - cx) * step, 1.0 / depths[v, u]
+    for i in range(len(depth)):
+        x, z = start + i * step, 1.0 / depth[i]
         dx = (axes[0, 0] * x + axes[1, 0] * y + axes[2, 0]) * z
         dy = (axes[0, 1] * x + axes[1, 1] * y + axes[2, 1]) * z
         dz = (axes[0, 2] * x + axes[1, 2] * y + axes[2, 2]) * z
@@ -199,7 +194,7 @@ def paint_triangle(
             nx, ny = (px - ox) / length, (py - oy) / length
             norm = 1.0 / math.sqrt(nx * nx + ny * ny)
             nx, ny, nz = nx * norm, ny * norm, 0.0
-        if round_ or u == first or u % _OFTEN == 0:
+        if round_ or i % _OFTEN == 0:
             # Flat things are seen from either side.
             sign = -1.0 if dx * nx + dy * ny + dz * nz > 0.0 else 1.0
             light_here = brightness(
@@ -212,13 +207,10 @@ def paint_triangle(
                 shortening(x, y),
             )
             haze = haziness(dx * dx + dy * dy)
-        # Less light reaches the foot of what stands on the floor.
-        shade = (0.42 + 0.66 * light_here) * (0.86 + 0.28 * min(max(pz, 0.0), 0.5))
+        shade = _standing(light_here, pz)
         qx, qy = px - ox, py - oy
         along, left = qx * ux + qy * uy, qy * ux - qx * uy
-        if paint == WALL:
-            rgb = _wall(along, pz, pixel)
-        elif paint == DOOR:
+        if paint == DOOR:
             rgb = _door(along, pz, length, height, pixel)
         elif paint == ROBOT:
             rgb = _robot(along / length, left / length, pz / height, number, pixel / length, pixel / height)
@@ -232,10 +224,49 @@ def paint_triangle(
             rgb = scaled(
                 mixed((0.62, 0.49, 0.36), (0.55, 0.58, 0.60), speckle(number, 7)), 1.08 if paint == TOP else 1.0
             )
-        put(colour, v, u, mixed(scaled(rgb, shade), light.haze, haze))
+        put(line, i, mixed(scaled(rgb, shade), light.haze, haze))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _wall_line(
+    view: View,
+    light: Light,
+    place: tuple[float, float],
+    ahead: tuple[float, float],
+    normal: tuple[float, float],
+    start: float,
+    y: float,
+    depth: NDArray[np.float32],
+    line: NDArray[np.uint8],
+) -> None:
+    """A wall, as in `paint_triangle`: by far the most frequent, so without branches, as vector instructions.
+
+    `place`: (x, y) where it begins [m]; `ahead` and `normal`: (x, y) unit vectors.
+    """
+    axes, step = view.axes, 1.0 / view.focal
+    rx, ry, rz = axes[0, 0], axes[0, 1], axes[0, 2]
+    dx, dy, dz = axes[1, 0] * y + axes[2, 0], axes[1, 1] * y + axes[2, 1], axes[1, 2] * y + axes[2, 2]
+    hx, hy, hz = view.position[0] - place[0], view.position[1] - place[1], view.position[2]
+    # The normal towards the camera, in its frame.
+    sign = -1.0 if hx * normal[0] + hy * normal[1] < 0.0 else 1.0
+    nx = sign * (axes[0, 0] * normal[0] + axes[0, 1] * normal[1])
+    ny = sign * (axes[1, 0] * normal[0] + axes[1, 1] * normal[1])
+    nz = sign * (axes[2, 0] * normal[0] + axes[2, 1] * normal[1])
+    for i in range(len(depth)):
+        x, z = start + i * step, 1.0 / depth[i]
+        px, py, pz = (rx * x + dx) * z, (ry * x + dy) * z, hz + (rz * x + dz) * z
+        light_here = brightness(light, nx, ny, nz, x, y, shortening(x, y))
+        rgb = _wall((hx + px) * ahead[0] + (hy + py) * ahead[1], pz, z * step)
+        put(line, i, mixed(scaled(rgb, _standing(light_here, pz)), light.haze, haziness(px * px + py * py)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _standing(light: float, height: float) -> float:
+    """How bright an upright thing in this light is: less reaches the foot of what stands on the floor."""
+    return (0.42 + 0.66 * light) * (0.86 + 0.28 * min(max(height, 0.0), 0.5))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _wall(along: float, height: float, pixel: float) -> Colour:
     colour = mixed((0.80, 0.775, 0.72), (0.845, 0.835, 0.80), beyond(height, 1.0, pixel + 0.02))
     colour = scaled(colour, 1.0 - 0.05 * striped(along, 2.4, 1.0 / 2.4, 0.015, pixel))

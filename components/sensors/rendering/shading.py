@@ -41,21 +41,25 @@ def shade_rows(
     surface, depths, index = buffers.surface, buffers.inverse_depth, seen.index
     cone, facing, floor = bodies.cone, bodies.facing, view.position[2]
     cloth, hair, jacket, untucked = clothing.colour, clothing.hair, clothing.jacket, clothing.untucked
-    tone, part = np.empty(view.width), np.empty(view.width)
+    one, two = np.empty(view.width, np.float32), np.empty(view.width, np.float32)
+    lines, step = colour.reshape(view.height, 3 * view.width), 1.0 / view.focal
     for v in range(top, bottom):
-        end, y = 0, (v - view.cy) / view.focal
+        end, y = 0, (v - view.cy) * step
         while end < view.width:
             first, code = end, surface[v, end]
             end += 1
             while end < view.width and surface[v, end] == code:
                 end += 1
+            # Slices, so that loops count from 0: only then they become vector instructions.
+            depth, line = depths[v, first:end], lines[v, 3 * first : 3 * end]
+            x = (first - view.cx) * step
             if code >= PEOPLE:
                 k = (code - PEOPLE) // CAPSULES
                 c = code - PEOPLE - CAPSULES * k
                 n = index[k]
                 paint_limb(
-                    view.focal,
-                    view.cx,
+                    step,
+                    x,
                     y,
                     floor,
                     light,
@@ -68,16 +72,14 @@ def shade_rows(
                     n,
                     k,
                     c,
-                    depths,
-                    v,
-                    first,
-                    end,
-                    tone,
-                    colour,
+                    depth,
+                    one,
+                    two,
+                    line,
                 )
             elif code >= TRIANGLES:
-                paint_triangle(view, light, scenery, code - TRIANGLES, depths, v, first, end, colour)
+                paint_triangle(view, light, scenery, code - TRIANGLES, x, y, depth, line)
             elif code == SKY:
-                paint_sky(view, light, v, first, end, colour)
+                paint_sky(view, light, y, line)
             else:
-                paint_level(view, light, size, depths, shade, v, first, end, code == FLOOR, tone, part, colour)
+                paint_level(view, light, size, depth[0], shade[v, first:end], x, y, code == FLOOR, one, two, line)
