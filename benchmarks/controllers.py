@@ -21,8 +21,8 @@ import numpy as np
 
 from crowdcosim.loading import load_class
 from orchestrator.episode import Result, run_episode
-from orchestrator.registry import SHIPPED
-from orchestrator.scenario import Scenario, load
+from orchestrator.scenario.registry import SHIPPED
+from orchestrator.scenario.scenario import Scenario, load
 from orchestrator.simulation import Simulation
 
 HEAD = ("flow", "people", "reactive", "controller", "arrived", "time", "touching", "< 0.2 m", "f_c", "median", "p99")

@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from crowdcosim.bus import Bus
-from orchestrator.scenario import load
+from orchestrator.scenario.scenario import load
 from orchestrator.simulation import Simulation
 from orchestrator.wiring import Graph
 

@@ -17,7 +17,7 @@ from crowdcosim.messages import Crowd, Twist, Vector3
 from crowdcosim.robots import Pose, Robot, Target
 from crowdcosim.setup import Setup
 from crowdcosim.world import World
-from orchestrator.scenario import load
+from orchestrator.scenario.scenario import load
 
 STEPS = 300
 PEOPLE = 350

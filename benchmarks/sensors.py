@@ -21,7 +21,7 @@ from crowdcosim.avatar import pose
 from crowdcosim.messages import Crowd, Header, RobotState
 from crowdcosim.robots import Mount
 from crowdcosim.setup import Setup, time_of
-from orchestrator.scenario import load
+from orchestrator.scenario.scenario import load
 
 BEAMS, RANGE, HEIGHT = 720, 10.0, 0.3
 NOISE = (

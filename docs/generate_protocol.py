@@ -23,9 +23,9 @@ from crowdcosim.robots import Car, Differential, Holonomic, Mount, Robot, RobotM
 from crowdcosim.robots import Pose as Place
 from crowdcosim.setup import Setup
 from crowdcosim.world import Wall, World
-from orchestrator.field_docs import field_docs
-from orchestrator.registry import SHIPPED
-from orchestrator.scenario import load
+from orchestrator.scenario.field_docs import field_docs
+from orchestrator.scenario.registry import SHIPPED
+from orchestrator.scenario.scenario import load
 from orchestrator.simulation import Simulation, component_seed
 
 HERE = Path(__file__).resolve().parent

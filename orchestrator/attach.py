@@ -8,9 +8,9 @@ import socket
 from pathlib import Path
 
 from crowdcosim.credentials import Admission
-from orchestrator.problems import Problem
-from orchestrator.scenario_file import AttachEntry
-from orchestrator.yaml_tree import Node
+from orchestrator.scenario.file import AttachEntry
+from orchestrator.scenario.problems import Problem
+from orchestrator.scenario.yaml_tree import Node
 
 _ENDPOINT = re.compile(r"(tcp|tls)/(?:\[[0-9a-fA-F:.]+\]|[^\[\]/:\s]+):(\d{1,5})")
 _TLS_ONLY = ("certificate", "key", "authority")

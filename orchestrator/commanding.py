@@ -9,8 +9,8 @@ from typing import Literal
 from components.controllers.commanded import Commanded
 from crowdcosim.messages import Twist, Vector3
 from orchestrator.errors import InputError
-from orchestrator.problems import near_miss
-from orchestrator.scenario import Scenario
+from orchestrator.scenario.problems import near_miss
+from orchestrator.scenario.scenario import Scenario
 
 Command = Twist | Sequence[float]
 """A velocity in the robot's frame: a `Twist`, or forward speed, (speed to the left [m/s],) and turn rate [rad/s]."""

@@ -7,7 +7,7 @@ from typing import Literal
 
 from crowdcosim.goal import reached
 from crowdcosim.messages import Contacts, Goal, RobotState
-from orchestrator.scenario_file import Ending
+from orchestrator.scenario.file import Ending
 
 Reason = Literal["goal", "collision", "time_limit", "stopped"]
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from crowdcosim.messages import Metrics
 from orchestrator.ending import Reason, Referee
-from orchestrator.recording import Committer, Reference, open_log
+from orchestrator.log.recording import Committer, Reference, open_log
 from orchestrator.simulation import Simulation
 
 

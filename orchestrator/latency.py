@@ -18,8 +18,8 @@ from dataclasses import astuple, replace
 from crowdcosim.component import Controller, ports_of
 from crowdcosim.messages import Twist, Vector3
 from crowdcosim.setup import Setup
-from orchestrator.component_specs import ComponentSpec
-from orchestrator.problems import ScenarioError
+from orchestrator.scenario.component_specs import ComponentSpec
+from orchestrator.scenario.problems import ScenarioError
 from orchestrator.wiring import Graph, Member, Reference
 
 

@@ -18,8 +18,8 @@ from crowdcosim.messages import Goal, Twist
 from orchestrator.commanding import Command, robots_to_command, take_over, twists
 from orchestrator.episode import Episode, Pace, Result, reference_of, reference_run
 from orchestrator.errors import InputError
-from orchestrator.recording import Reference
-from orchestrator.scenario import load
+from orchestrator.log.recording import Reference
+from orchestrator.scenario.scenario import load
 from orchestrator.simulation import Simulation, goal_of
 from orchestrator.view import View, Viewer
 

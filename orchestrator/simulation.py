@@ -19,14 +19,14 @@ from crowdcosim.messages import Goal, Header
 from crowdcosim.robots import Robot
 from crowdcosim.setup import Setup
 from orchestrator.attach import awaited, invitation
-from orchestrator.component_specs import ComponentSpec
 from orchestrator.errors import InputError, RunError, WiringError
 from orchestrator.latency import CommandInEffect, command_of, with_commands
 from orchestrator.lockstep import Lockstep
-from orchestrator.problems import ScenarioError
 from orchestrator.processes import Processes
 from orchestrator.remote import Remote
-from orchestrator.scenario import Scenario
+from orchestrator.scenario.component_specs import ComponentSpec
+from orchestrator.scenario.problems import ScenarioError
+from orchestrator.scenario.scenario import Scenario
 from orchestrator.wiring import Graph, Member, connect
 
 PRELOAD = ["numpy", "numba", "pydantic", "rosbags.typesys", "crowdcosim.node"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from crowdcosim.message import Message
 from crowdcosim.messages import Contacts, Crowd, RobotState
 from orchestrator.errors import InputError
-from orchestrator.recorder import topic_of
+from orchestrator.log.recorder import topic_of
 from orchestrator.simulation import Simulation
 
 

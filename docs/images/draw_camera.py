@@ -12,7 +12,7 @@ from components.sensors.camera import Config, LabelledCamera
 from crowdcosim.messages import Crowd, RobotState
 from crowdcosim.messages import Image as ImageMessage
 from crowdcosim.robots import Mount
-from orchestrator.scenario import load
+from orchestrator.scenario.scenario import load
 from orchestrator.session import Session
 
 WIDTH, HEIGHT = 480, 360

@@ -23,8 +23,8 @@ from crowdcosim.messages import Crowd
 from crowdcosim.obstacles import Disc
 from crowdcosim.setup import Setup
 from crowdcosim.world import World
-from orchestrator.map_picture import INK, STYLE, TIME_COLOURS, draw_discs, draw_ways, draw_world
-from orchestrator.trajectories import Trajectories
+from orchestrator.pictures.map_picture import INK, STYLE, TIME_COLOURS, draw_discs, draw_ways, draw_world
+from orchestrator.pictures.trajectories import Trajectories
 
 PICTURE = Path(__file__).with_name("policies.png")
 SECONDS = 14.0

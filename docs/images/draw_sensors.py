@@ -14,8 +14,8 @@ from matplotlib.patches import Circle, Wedge
 
 from crowdcosim import Session
 from crowdcosim.messages import BeamAgents
-from orchestrator.mounts import sensor_frames
-from orchestrator.scenario import load
+from orchestrator.scenario.mounts import sensor_frames
+from orchestrator.scenario.scenario import load
 
 SECONDS, REACH = 12.0, 5.2
 COLOURS = {BeamAgents.WALL: "#7f8c8d", BeamAgents.PERSON: "#d35400"}

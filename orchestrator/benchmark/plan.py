@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from orchestrator.controller_choice import ControllerChoice
-from orchestrator.scenario import Scenario, load
+from orchestrator.scenario.controller_choice import ControllerChoice
+from orchestrator.scenario.scenario import Scenario, load
 from orchestrator.suites.catalogue import Suite
 
 

@@ -12,7 +12,7 @@ from orchestrator.benchmark.journal import Journal
 from orchestrator.benchmark.plan import Task
 from orchestrator.benchmark.worker import Outcome
 from orchestrator.errors import InputError
-from orchestrator.provenance import versions
+from orchestrator.log.provenance import versions
 
 
 @dataclass(frozen=True, kw_only=True)

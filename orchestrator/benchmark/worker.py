@@ -18,8 +18,8 @@ from crowdcosim.messages import Contacts
 from orchestrator.benchmark.plan import Task
 from orchestrator.episode import Result, Watcher, run_episode
 from orchestrator.errors import InputError, RunError
-from orchestrator.provenance import versions
-from orchestrator.scenario import Scenario, load
+from orchestrator.log.provenance import versions
+from orchestrator.scenario.scenario import Scenario, load
 from orchestrator.simulation import Simulation
 
 PATH_EVERY = 5

@@ -20,7 +20,7 @@ from orchestrator.benchmark.journal import Journal
 from orchestrator.benchmark.plan import Task, plan
 from orchestrator.benchmark.sweep import Where
 from orchestrator.benchmark.tables import Format, export, read
-from orchestrator.controller_choice import controller_choices
+from orchestrator.scenario.controller_choice import controller_choices
 from orchestrator.suites.catalogue import find_suite
 
 ARROWS = {"higher": "↑", "lower": "↓"}

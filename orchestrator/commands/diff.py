@@ -10,8 +10,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from orchestrator.log import read_log
-from orchestrator.log_diff import Difference, differences
+from orchestrator.log.diff import Difference, differences
+from orchestrator.log.reader import read_log
 
 
 def print_differences(a: Path, b: Path, as_json: bool) -> bool:

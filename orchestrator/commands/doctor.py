@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from orchestrator.log_check import faults
+from orchestrator.log.check import faults
 
 _SHOWN = 20
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from orchestrator import map_film, map_picture
 from orchestrator.errors import InputError
-from orchestrator.log import read_log
-from orchestrator.trajectories import Trajectories, read_trajectories
+from orchestrator.log.reader import read_log
+from orchestrator.pictures import map_film, map_picture
+from orchestrator.pictures.trajectories import Trajectories, read_trajectories
 
 
 def print_drawing(log: Path, out: Path | None, begin: float | None, end: float | None, as_json: bool) -> None:

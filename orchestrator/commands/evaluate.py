@@ -11,8 +11,8 @@ from rich.console import Console
 from orchestrator.commands.inspect import recorded_metrics
 from orchestrator.commands.tables import metrics_table
 from orchestrator.episode import rows_of
-from orchestrator.log import read_log
-from orchestrator.replay import evaluate
+from orchestrator.log.reader import read_log
+from orchestrator.log.rerun import evaluate
 
 
 def print_evaluation(path: Path, as_json: bool) -> None:

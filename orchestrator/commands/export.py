@@ -9,10 +9,10 @@ from pathlib import Path
 from rich.console import Console
 
 from orchestrator.errors import InputError
-from orchestrator.log import Log, read_log
-from orchestrator.log_tables import to_tables
-from orchestrator.problems import near_miss
-from orchestrator.rosbag2 import to_rosbag2
+from orchestrator.log.reader import Log, read_log
+from orchestrator.log.rosbag2 import to_rosbag2
+from orchestrator.log.tables import to_tables
+from orchestrator.scenario.problems import near_miss
 
 
 def _rosbag2(log: Log, out: Path) -> list[Path]:

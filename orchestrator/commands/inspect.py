@@ -14,7 +14,7 @@ from crowdcosim.cdr import decode
 from crowdcosim.messages import Metrics
 from orchestrator.commands.tables import metrics_table
 from orchestrator.episode import Metric, rows_of
-from orchestrator.log import Log, Topic, read_log
+from orchestrator.log.reader import Log, Topic, read_log
 
 
 def print_summary(path: Path, as_json: bool) -> None:

@@ -8,7 +8,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from orchestrator.shipped import Entry, list_components, list_devices, list_robots, list_scenarios, list_suites
+from orchestrator.scenario.shipped import Entry, list_components, list_devices, list_robots, list_scenarios, list_suites
 
 
 def print_list(as_json: bool) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from orchestrator.log_recover import recover
+from orchestrator.log.recover import recover
 
 
 def print_recovery(source: Path, target: Path, as_json: bool) -> None:

@@ -12,15 +12,15 @@ from pydantic import TypeAdapter
 from rich.console import Console
 from rich.progress import track
 
-from orchestrator import extends
-from orchestrator.cameras import Camera, named
 from orchestrator.errors import InputError
-from orchestrator.film import Film
-from orchestrator.log import read_log
-from orchestrator.problems import Place, Problem, ScenarioError
-from orchestrator.validation import check
-from orchestrator.video import encoder, write_mp4
-from orchestrator.yaml_tree import from_python
+from orchestrator.log.reader import read_log
+from orchestrator.pictures.cameras import Camera, named
+from orchestrator.pictures.film import Film
+from orchestrator.pictures.video import encoder, write_mp4
+from orchestrator.scenario import extends
+from orchestrator.scenario.problems import Place, Problem, ScenarioError
+from orchestrator.scenario.validation import check
+from orchestrator.scenario.yaml_tree import from_python
 
 LARGEST = 8192
 

@@ -8,8 +8,8 @@ from rich.console import Console
 from rich.progress import Progress
 
 from orchestrator.errors import InputError
-from orchestrator.log import read_log
-from orchestrator.republish import publish
+from orchestrator.log.publish import publish
+from orchestrator.log.reader import read_log
 
 
 def publish_log(path: Path, pace: float, endpoint: str, wait: float) -> None:

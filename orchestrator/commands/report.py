@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from orchestrator.errors import InputError
-from orchestrator.report import write_report
+from orchestrator.report.page import write_report
 
 
 def print_report(folder: Path, as_json: bool) -> None:

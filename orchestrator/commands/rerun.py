@@ -14,10 +14,10 @@ from rich.table import Table
 from crowdcosim.component import ComponentError
 from orchestrator.commands.check import json_object
 from orchestrator.errors import InputError
-from orchestrator.log import read_log
-from orchestrator.log_diff import field_difference
-from orchestrator.registry import Family, import_string
-from orchestrator.replay import Step, rerun
+from orchestrator.log.diff import field_difference
+from orchestrator.log.reader import read_log
+from orchestrator.log.rerun import Step, rerun
+from orchestrator.scenario.registry import Family, import_string
 
 
 @dataclass(frozen=True, kw_only=True)

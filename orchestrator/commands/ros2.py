@@ -33,8 +33,8 @@ def serve_ros2(
     if not 0 <= domain <= 232:
         raise InputError(f"--domain is {domain}, expected a ROS_DOMAIN_ID from 0 to 232")
     try:
-        from orchestrator.ros2_gateway import Gateway, Waiting
-        from orchestrator.ros2_node import Ros2Node
+        from orchestrator.ros2.gateway import Gateway, Waiting
+        from orchestrator.ros2.node import Ros2Node
     except ModuleNotFoundError as error:
         raise InputError(f"ROS 2 needs {error.name}: pip install 'crowdcosim[ros2]'") from None
 

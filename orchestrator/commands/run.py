@@ -9,13 +9,13 @@ from pathlib import Path
 from rich.console import Console
 
 from orchestrator.commands.tables import metrics_table
-from orchestrator.controller_choice import controller_settings
 from orchestrator.episode import Result, run_episode
 from orchestrator.errors import InputError, RunError
 from orchestrator.processes import Processes
 from orchestrator.progress import RunProgress
-from orchestrator.report import write_report
-from orchestrator.scenario import load
+from orchestrator.report.page import write_report
+from orchestrator.scenario.controller_choice import controller_settings
+from orchestrator.scenario.scenario import load
 from orchestrator.simulation import Simulation
 
 

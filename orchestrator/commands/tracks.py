@@ -14,8 +14,8 @@ from components.crowd.tracks import TrackError
 from crowdcosim.component import make
 from crowdcosim.loading import load_class
 from orchestrator.errors import InputError
-from orchestrator.problems import near_miss
-from orchestrator.scenario import load
+from orchestrator.scenario.problems import near_miss
+from orchestrator.scenario.scenario import load
 
 
 def print_tracks(scenario: str, settings: list[str], replace: int | None, as_json: bool) -> None:

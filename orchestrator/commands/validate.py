@@ -6,8 +6,8 @@ import json
 
 from rich.console import Console
 
-from orchestrator.controller_choice import controller_settings
-from orchestrator.scenario import Scenario, load
+from orchestrator.scenario.controller_choice import controller_settings
+from orchestrator.scenario.scenario import Scenario, load
 from orchestrator.simulation import connected, ports_of_spec
 from orchestrator.wiring import Graph, Member
 

@@ -20,7 +20,7 @@ from components.evaluator.metrics import METRICS
 from crowdcosim.messages import Contacts
 from orchestrator.comparison.data import Comparison
 from orchestrator.comparison.statistics import summary
-from orchestrator.report_figures import STYLE, WIDTH, svg
+from orchestrator.report.figures import STYLE, WIDTH, svg
 
 SERIES = ("#e08a1e", "#3d7fd6", "#1f9e77", "#c2569b", "#8a6fd1", "#b0413e", "#5aa9a6", "#8c7a55")
 """Colours of controllers, in their order, on white and on black; told apart by the colour-blind too."""

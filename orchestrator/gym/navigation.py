@@ -18,8 +18,8 @@ from orchestrator.errors import InputError
 from orchestrator.gym.observation import Part, People, WayToGoal, sensed
 from orchestrator.gym.reward import DEFAULT, Reward, Transition
 from orchestrator.gym.top_view import TopView
-from orchestrator.problems import near_miss
-from orchestrator.scenario import load
+from orchestrator.scenario.problems import near_miss
+from orchestrator.scenario.scenario import load
 from orchestrator.session import Session, as_list
 
 Observation = dict[str, NDArray[Any]]

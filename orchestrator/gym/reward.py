@@ -16,7 +16,7 @@ from crowdcosim.messages import Contacts, Goal
 from crowdcosim.world import World
 from orchestrator.episode import Result
 from orchestrator.errors import InputError
-from orchestrator.problems import near_miss
+from orchestrator.scenario.problems import near_miss
 from orchestrator.view import RobotView, View
 
 COMFORT = 0.5

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from orchestrator.errors import InputError
-from orchestrator.problems import near_miss
-from orchestrator.shipped import names_in, scenarios_folder, suite_names
+from orchestrator.scenario.problems import near_miss
+from orchestrator.scenario.shipped import names_in, scenarios_folder, suite_names
 from orchestrator.suites.comparisons import crowds, robots, sensors
 from orchestrator.suites.frozen import Frozen
 from orchestrator.suites.hard import hard

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from components.crowd.policies import PolicyName
-from orchestrator.shipped import names_in, robots_folder
+from orchestrator.scenario.shipped import names_in, robots_folder
 from orchestrator.suites.frozen import Frozen
 from orchestrator.suites.paper import FLOWS, RADIUS, SIZE, START, corridor, people
 from orchestrator.suites.placing import place

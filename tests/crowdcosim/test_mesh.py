@@ -12,8 +12,8 @@ from crowdcosim.messages import BeamAgents, Crowd, RobotState
 from crowdcosim.robots import Mount, Pose, Robot, RobotModel, Target
 from crowdcosim.setup import Setup
 from crowdcosim.world import World
-from orchestrator.problems import ScenarioError
-from orchestrator.scenario import from_resolved, load
+from orchestrator.scenario.problems import ScenarioError
+from orchestrator.scenario.scenario import from_resolved, load
 
 EXTENTS = (2.0, 1.0, 3.0)
 ROBOT = Robot(

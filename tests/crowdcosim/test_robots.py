@@ -8,9 +8,9 @@ import pytest
 from pydantic import TypeAdapter
 
 from crowdcosim.robots import Differential, Holonomic, Mount, RobotModel
-from orchestrator.problems import ScenarioError
-from orchestrator.scenario import load
-from orchestrator.shipped import list_robots
+from orchestrator.scenario.problems import ScenarioError
+from orchestrator.scenario.scenario import load
+from orchestrator.scenario.shipped import list_robots
 
 ROBOTS = [robot.name for robot in list_robots()]
 

@@ -19,7 +19,7 @@ from orchestrator.benchmark import worker
 from orchestrator.benchmark.journal import Journal
 from orchestrator.benchmark.plan import plan
 from orchestrator.benchmark.tables import export
-from orchestrator.controller_choice import controller_choices
+from orchestrator.scenario.controller_choice import controller_choices
 from orchestrator.suites.catalogue import find_suite
 
 HERE = Path(__file__).parent

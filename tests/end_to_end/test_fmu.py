@@ -9,7 +9,7 @@ import pytest
 
 from components.robot.fmu_build import MODEL, compile_library, find_compiler, source_files, write_archive
 from components.robot.fmu_file import LIBRARY_SUFFIX, PLATFORM
-from orchestrator.log import read_log
+from orchestrator.log.reader import read_log
 
 HERE = Path(__file__).parent
 FAULTY = HERE.parent / "components" / "robot" / "faulty_drive.c"

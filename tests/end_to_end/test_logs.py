@@ -18,7 +18,7 @@ from rosbags.highlevel import AnyReader
 
 from crowdcosim.cdr import decode
 from crowdcosim.messages import RobotState
-from orchestrator.log import read_log
+from orchestrator.log.reader import read_log
 
 SCENARIO = f"""
 extends: {Path(__file__).parent / "small.yaml"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
-from orchestrator.log import read_log
+from orchestrator.log.reader import read_log
 
 
 def test_a_new_controller_works_at_once_and_its_test_passes(crowdcosim) -> None:

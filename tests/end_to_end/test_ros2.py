@@ -13,7 +13,7 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from crowdcosim.cdr import type_hash
-from orchestrator.ros2_node import dds_type, gid_of
+from orchestrator.ros2.node import dds_type, gid_of
 
 PEER = Path(__file__).parent / "ros2_peer.py"
 SCENARIO = "robots: {robot: {sensors: {lidar: {use: lidar, config: {beams: 90}}}}}\nend: {time_limit: 5}"

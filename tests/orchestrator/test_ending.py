@@ -5,7 +5,7 @@ import pytest
 
 from crowdcosim.messages import Contacts, Goal, RobotState
 from orchestrator.ending import Referee
-from orchestrator.scenario_file import Ending
+from orchestrator.scenario.file import Ending
 
 LINE = Goal(robot="a", position=np.array([45.0, 5.0]), direction=np.array([1.0, 0.0]))
 DISC = Goal(robot="b", position=np.array([10.0, 5.0]), tolerance=0.5)

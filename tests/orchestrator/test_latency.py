@@ -14,8 +14,8 @@ from crowdcosim.world import World
 from orchestrator.episode import Result, run_episode
 from orchestrator.errors import InputError
 from orchestrator.latency import CommandInEffect
-from orchestrator.log import read_log
-from orchestrator.scenario import load
+from orchestrator.log.reader import read_log
+from orchestrator.scenario.scenario import load
 from orchestrator.simulation import Simulation
 
 SETUP = Setup(component="robot/command", period=100, seed=1, world=World(size=(1.0, 1.0)), robot="robot")

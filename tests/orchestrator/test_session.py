@@ -14,9 +14,9 @@ from crowdcosim import Session
 from crowdcosim.messages import Twist, Vector3
 from orchestrator.episode import Result, run_episode
 from orchestrator.errors import InputError, RunError
-from orchestrator.log import read_log
-from orchestrator.replay import evaluate, rerun
-from orchestrator.scenario import load
+from orchestrator.log.reader import read_log
+from orchestrator.log.rerun import evaluate, rerun
+from orchestrator.scenario.scenario import load
 from orchestrator.simulation import Simulation
 
 SMALL: dict[str, Any] = {

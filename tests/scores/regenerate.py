@@ -12,7 +12,7 @@ from orchestrator.benchmark.journal import Journal
 from orchestrator.benchmark.plan import plan
 from orchestrator.benchmark.sweep import Where
 from orchestrator.benchmark.tables import export, read
-from orchestrator.controller_choice import controller_choices
+from orchestrator.scenario.controller_choice import controller_choices
 from orchestrator.suites.catalogue import find_suite
 
 FILE = Path(__file__).parent / "smoke.csv"

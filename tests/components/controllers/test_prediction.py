@@ -18,7 +18,7 @@ from crowdcosim.component import make
 from crowdcosim.messages import Crowd, Header
 from crowdcosim.setup import time_of
 from orchestrator.episode import run_episode
-from orchestrator.scenario import load
+from orchestrator.scenario.scenario import load
 from orchestrator.simulation import Simulation
 
 HORIZON = Horizon(20, 0.2, 1.0, 1.0, 0.177)

@@ -16,7 +16,7 @@ from crowdcosim.crowdbot import helpers, recorder, socket_handler
 from crowdcosim.crowdbot.frame import Frame
 from crowdcosim.messages import Goal
 from orchestrator.episode import run_episode
-from orchestrator.scenario import load
+from orchestrator.scenario.scenario import load
 from orchestrator.simulation import Simulation
 
 CROWDED = "paper/rvo15-reactive_1d-_050"

@@ -16,10 +16,10 @@ from orchestrator.benchmark.plan import Task, plan, scenario_hash
 from orchestrator.benchmark.sweep import remaining
 from orchestrator.benchmark.tables import export, read
 from orchestrator.cli import app
-from orchestrator.controller_choice import controller_choice, controller_choices
 from orchestrator.errors import InputError
-from orchestrator.provenance import versions
-from orchestrator.scenario import load
+from orchestrator.log.provenance import versions
+from orchestrator.scenario.controller_choice import controller_choice, controller_choices
+from orchestrator.scenario.scenario import load
 from orchestrator.suites.catalogue import find_suite
 
 TASK = Task(

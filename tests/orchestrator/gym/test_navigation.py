@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 import crowdcosim.gym
 from orchestrator.errors import InputError
 from orchestrator.gym.navigation import Navigation
-from orchestrator.log import read_log
+from orchestrator.log.reader import read_log
 
 ID = "crowdcosim/Navigation-v0"
 SMALL: dict[str, Any] = {

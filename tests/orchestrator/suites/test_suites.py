@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import InputError
-from orchestrator.scenario import Scenario, load
-from orchestrator.shipped import scenarios_folder, suite_names
+from orchestrator.scenario.scenario import Scenario, load
+from orchestrator.scenario.shipped import scenarios_folder, suite_names
 from orchestrator.suites.catalogue import GENERATORS, find_suite, generator
 from orchestrator.suites.frozen import write
 from orchestrator.suites.paper import TURTLEBOT2

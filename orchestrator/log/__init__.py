@@ -1,0 +1,1 @@
+"""Logs: what a run writes, and what can be done with it afterwards."""

@@ -1,0 +1,1 @@
+"""A scenario among ROS 2 nodes."""
