@@ -9,6 +9,7 @@ import json
 import os
 import re
 import shutil
+import socket
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -76,6 +77,17 @@ def test_components_in_rust_give_the_bytes_of_their_python_twins(
         }.items()
     }
     assert len(hashes) == 1
+
+
+def test_a_rust_controller_gets_in_where_users_are_asked_for(
+    crowdcosim, scenario: Callable[[str], str], rust: Path
+) -> None:
+    (crowdcosim.folder / "users.txt").write_text("ann:apple\n")
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    path = scenario(f"attach: {{listen: 'tcp/127.0.0.1:{port}', users: ./users.txt}}\nend: {{time_limit: 1}}")
+    assert outputs(crowdcosim, path, "out", "--set", f"robots.robot.controller.exec=[{rust / 'straight'}]")
 
 
 def test_a_wrong_option_is_refused_in_words(crowdcosim, scenario: Callable[[str], str], rust: Path) -> None:

@@ -79,8 +79,11 @@ struct Node<'a, C: Component> {
 pub fn run<C: Component>(component: &mut C) -> Result<(), Box<dyn Error>> {
     let [endpoint, run, name] = ["ENDPOINT", "RUN", "COMPONENT"].map(|v| env::var(format!("CROWDCOSIM_{v}")));
     let (run, key) = (run.clone()?, format!("{}/{}", run?, name?));
-    let config = json!({"mode": "client", "connect": {"endpoints": [endpoint?], "exit_on_failure": true},
+    let mut config = json!({"mode": "client", "connect": {"endpoints": [endpoint?], "exit_on_failure": true},
         "scouting": {"multicast": {"enabled": false}, "gossip": {"enabled": false}}});
+    if let [Ok(user), Ok(password)] = ["USER", "PASSWORD"].map(|v| env::var(format!("CROWDCOSIM_{v}"))) {
+        config["transport"] = json!({"auth": {"usrpwd": {"user": user, "password": password}}});
+    }
     let session = zenoh::open(Config::from_json5(&config.to_string()).map_err(|e| e.to_string())?)
         .wait().map_err(|e| e.to_string())?;
     let mut node = Node { component, session, run, key, every: 1, inputs: vec![], outputs: vec![], done: None };
