@@ -7,18 +7,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from crowdcosim.crowdbot.frame import Frame
-from crowdcosim.messages import Contacts
-
-PARTS = {
-    Contacts.NO_PART: "none",
-    Contacts.FEET: "feet",
-    Contacts.LOWER_LEGS: "lower_legs",
-    Contacts.UPPER_LEGS: "upper_legs",
-    Contacts.UPPER_BODY: "upper_body",
-}
+from crowdcosim.crowdbot.state import texts
 
 
 class Connection:
@@ -95,25 +85,9 @@ class Connection:
 
     def _state(self) -> dict[str, str]:
         view, frame = self._session.view, self._frame
-        state, contacts = view.robot.state, view.robot.contacts
         # When the episode is over, only the clock goes on: scripts wait for it to pass their limit.
-        clock = f"{max(view.time, self._clock) if self._session.over else view.time:.6f}"
-        pose = (*frame.place(state.position), frame.direction(state.heading))
-        rates = (*frame.vector(state.velocity), math.degrees(state.angular_velocity))
-        crowd, touched = [], []
-        if view.crowd is not None:
-            places = frame.place(view.crowd.position)
-            crowd = [_group(who, *place) for who, place in zip(view.crowd.id.tolist(), places, strict=True)]
-        if contacts is not None:
-            for k in np.flatnonzero(contacts.kind == Contacts.PERSON):
-                speed = frame.vector(contacts.relative_velocity[k])
-                touched.append(_group(int(contacts.agent[k]), PARTS[int(contacts.body_part[k])], *speed))
-        return {
-            "clock": clock,
-            "crowd": " ".join([clock, str(len(crowd)), *crowd]),
-            "odom": " ".join([clock, *(str(float(number)) for number in (*pose, *rates))]),
-            "report": " ".join([clock, str(len(touched)), *touched]),
-        }
+        clock = max(view.time, self._clock) if self._session.over else view.time
+        return texts(frame, clock, view.robot.state, view.crowd, view.robot.contacts)
 
 
 def init_socket(
@@ -146,7 +120,3 @@ def send_and_receive(s: Connection, to_send: str) -> str:
 def stop(s: Connection) -> None:
     """End the simulation."""
     s.close()
-
-
-def _group(*words: object) -> str:
-    return f"({' '.join(str(float(word)) if isinstance(word, float) else str(word) for word in words)})"

@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from orchestrator.errors import InputError
+from orchestrator.log.crowdbot import to_crowdbot
 from orchestrator.log.reader import Log, read_log
 from orchestrator.log.rosbag2 import to_rosbag2
 from orchestrator.log.tables import to_tables
@@ -24,6 +25,7 @@ FORMS: dict[str, Callable[[Log, Path], list[Path]]] = {
     "rosbag2": _rosbag2,
     "csv": lambda log, out: to_tables(log, out, "csv"),
     "parquet": lambda log, out: to_tables(log, out, "parquet"),
+    "crowdbot": to_crowdbot,
 }
 
 

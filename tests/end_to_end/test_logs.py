@@ -17,6 +17,8 @@ from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
 from crowdcosim.cdr import decode
+from crowdcosim.crowdbot.helpers import get_clock, get_crowd, get_odom
+from crowdcosim.crowdbot.recorder import load_file_as_list_of_dico
 from crowdcosim.messages import RobotState
 from orchestrator.log.reader import read_log
 
@@ -106,6 +108,12 @@ def test_a_log_becomes_a_rosbag2_folder_and_tables(crowdcosim, log: Path) -> Non
         table = read(crowdcosim.folder / form / f"robot_state.{form}")
         np.testing.assert_array_equal(table["position.x"], [s.position[0] for s in states])
         np.testing.assert_array_equal(table["time"], [k / 10 for k in range(101)])
+    assert crowdcosim("export", str(log), "crowdbot", "--out", "json").code == 0
+    steps = load_file_as_list_of_dico(crowdcosim.folder / "json" / "robot.json")
+    assert [get_clock(step) for step in steps] == [k / 10 for k in range(101)]
+    assert {get_crowd(step).shape for step in steps} == {(10, 3)}
+    # The module's frame begins midway to the goal, 40 m away, and x points back to the start.
+    assert get_odom(steps[0])[0] == 20.0
     wrong = crowdcosim("export", str(log), "cvs")
     assert wrong.code == 2
     assert "did you mean 'csv'?" in wrong.stderr
