@@ -44,14 +44,14 @@ class Marker:
 
 def encode_markers(time_ns: int, markers: Sequence[Marker]) -> bytes:
     """The markers at `time_ns` as CDR with its encapsulation header."""
-    wire = _Wire()
+    wire = Wire()
     wire.pack("I", len(markers))
     for marker in markers:
         _write(wire, time_ns, marker)
-    return b"\x00\x01\x00\x00" + bytes(wire.data)
+    return wire.message()
 
 
-class _Wire:
+class Wire:
     """Little-endian CDR: everything is aligned to its own size."""
 
     def __init__(self) -> None:
@@ -74,11 +74,15 @@ class _Wire:
             self._align(8)
             self.data += np.ascontiguousarray(array, "<f8").tobytes()
 
+    def message(self) -> bytes:
+        """All of it, with the encapsulation header."""
+        return b"\x00\x01\x00\x00" + bytes(self.data)
+
     def _align(self, size: int) -> None:
         self.data += bytes(-len(self.data) % size)
 
 
-def _write(wire: _Wire, time_ns: int, marker: Marker) -> None:
+def _write(wire: Wire, time_ns: int, marker: Marker) -> None:
     wire.pack("iI", time_ns // 1_000_000_000, time_ns % 1_000_000_000)
     wire.text(marker.frame)
     wire.text(marker.namespace)

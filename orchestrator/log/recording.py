@@ -13,6 +13,7 @@ from orchestrator.lockstep import Committed
 from orchestrator.log.frames import FRAME_CHANNELS, frame_records, static_records
 from orchestrator.log.provenance import versions
 from orchestrator.log.recorder import Channel, Record, Recorder, as_json, topic_of
+from orchestrator.log.robot_description import description_channel, description_record
 from orchestrator.log.scenery import MARKER_CHANNELS, Scenery, world_record
 from orchestrator.scenario.config_files import files_in
 from orchestrator.scenario.scenario import Scenario
@@ -28,7 +29,7 @@ def open_log(simulation: Simulation, path: Path, reference: Reference | None) ->
     Raises:
         RunError: if the file cannot be written, or one that belongs into it cannot be read.
     """
-    graph = simulation.graph
+    graph, scenario = simulation.graph, simulation.scenario
     channels = [
         Channel(topic_of(name, output.name), output.type.TYPE, name, output.name)
         for name, member in graph.members.items()
@@ -38,23 +39,23 @@ def open_log(simulation: Simulation, path: Path, reference: Reference | None) ->
         {name: dict(ports) for name, ports in graph.sources.items()}
     )
     attachments = {
-        "scenario.json": as_json(simulation.scenario.resolved),
+        "scenario.json": as_json(scenario.resolved),
         "wiring.json": as_json(wiring),
         "reference.json": as_json(reference),
     }
-    attachments |= _files(simulation.scenario)
+    attachments |= _files(scenario)
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         recorder = Recorder(
             path,
-            (*FRAME_CHANNELS, *MARKER_CHANNELS, *channels),
+            (*FRAME_CHANNELS, *MARKER_CHANNELS, *(description_channel(r.name) for r in scenario.robots), *channels),
             attachments=attachments,
-            metadata={"run": _about(simulation.scenario) | versions()},
+            metadata={"run": _about(scenario) | versions()},
         )
     except OSError as error:
         raise RunError(None, None, f"cannot write {path}: {error.strerror}") from None
-    scenario = simulation.scenario
-    recorder.add([*static_records(scenario), world_record(scenario.world, scenario.robots)])
+    bodies = [description_record(robot) for robot in scenario.robots]
+    recorder.add([*static_records(scenario), world_record(scenario.world, scenario.robots), *bodies])
     return recorder
 
 
