@@ -96,7 +96,7 @@ class Renderer:
         self._bands(view.height, lambda a, b: draw(view, self._ceiling, edges, posed, a, b, buffers))
         rgb = self._coloured(view, people, robots, seen, posed, scenery, buffers) if colour else None
         if rgb is not None:
-            rough, rgb = rgb, np.empty_like(rgb)
+            rough, rgb = rgb, rgb.copy()
             smooth = rgb
             self._bands(
                 view.height,
@@ -187,16 +187,20 @@ def _labels(
     number: NDArray[np.uint32],
 ) -> tuple[NDArray[np.uint16], NDArray[np.uint8]]:
     """(H, W) agents and (H, W) body parts."""
-    agents, parts = np.zeros(surface.shape, np.uint16), np.full(surface.shape, BODY_NONE, np.uint8)
+    agents, parts = np.empty(surface.shape, np.uint16), np.empty(surface.shape, np.uint8)
+    before, agent, part = -1, 0, 0
     for v in range(surface.shape[0]):
         for u in range(surface.shape[1]):
             code = surface[v, u]
-            if code >= PEOPLE:
-                k = (code - PEOPLE) // CAPSULES
-                agents[v, u] = person[index[k]]
-                parts[v, u] = BODY_PART[code - PEOPLE - CAPSULES * k]
-            elif code >= TRIANGLES and kind[code - TRIANGLES] == ROBOT_KIND:
-                agents[v, u] = ROBOT_NUMBERS - number[code - TRIANGLES]
+            # Most pixels see what the one before them sees.
+            if code != before:
+                before, agent, part = code, 0, BODY_NONE
+                if code >= PEOPLE:
+                    k = (code - PEOPLE) // CAPSULES
+                    agent, part = person[index[k]], BODY_PART[code - PEOPLE - CAPSULES * k]
+                elif code >= TRIANGLES and kind[code - TRIANGLES] == ROBOT_KIND:
+                    agent = ROBOT_NUMBERS - number[code - TRIANGLES]
+            agents[v, u], parts[v, u] = agent, part
     return agents, parts
 
 

@@ -123,7 +123,7 @@ def gap(cone: Array, v: int, c: int, x: float, y: float) -> float:
     s = 0.0
     if a > 0.0:
         # F is least over both t and s where t = B / A.
-        s = min(max((g * (limb.m * h - g * limb.k) / a - limb.k) / limb.m, 0.0), 1.0)
+        s = min(max((g * (limb.m * h - g * limb.k) - limb.k * a) / (a * limb.m), 0.0), 1.0)
     px, py, pz = limb.ax + s * limb.ex, limb.ay + s * limb.ey, limb.az + s * limb.ez
     ahead = px * x + py * y + pz
     away = px * px + py * py + pz * pz - ahead * ahead / dd

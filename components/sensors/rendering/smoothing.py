@@ -38,7 +38,7 @@ def smooth_rows(
     bottom: int,
     smooth: NDArray[np.uint8],
 ) -> None:
-    """Fill the rows [top, bottom) of `smooth` from `colour`, both (H, W, 3)."""
+    """Smooth the rows [top, bottom) of `smooth`, (H, W, 3), which begins as a copy of `colour`."""
     share = np.zeros((bottom - top, view.width), np.float32)
     other = np.zeros((bottom - top, view.width), np.int8)
     surface, depth, edge, plane, cone = (
@@ -97,9 +97,6 @@ def smooth_rows(
                 for k in range(3):
                     mine, yours = float(colour[v, u, k]), float(colour[j, i, k])
                     smooth[v, u, k] = np.uint8(mine + part * (yours - mine) + 0.5)
-            else:
-                for k in range(3):
-                    smooth[v, u, k] = colour[v, u, k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -132,12 +129,18 @@ def _edge(
     They look along rays (x, y, 1) and see surfaces at inverse depths; `plain` are those of the floor or ceiling there.
     """
     (first, second), (x, y), (p, q) = surfaces, ray, other_ray
-    there = _beside(first, edge, cone, p, q)
-    back = _beside(second, edge, cone, x, y)
-    if there > 0.0 and (back <= 0.0 or depths[0] >= depths[1]):
-        return _crossing(-_beside(first, edge, cone, x, y), there)
-    if back > 0.0:
-        return 1.0 - _crossing(-_beside(second, edge, cone, p, q), back)
+    # The nearer one first: where it ends, nothing else matters.
+    nearer = depths[0] >= depths[1]
+    for _ in range(2):
+        if nearer:
+            there = _beside(first, edge, cone, p, q)
+            if there > 0.0:
+                return _crossing(-_beside(first, edge, cone, x, y), there)
+        else:
+            back = _beside(second, edge, cone, x, y)
+            if back > 0.0:
+                return 1.0 - _crossing(-_beside(second, edge, cone, p, q), back)
+        nearer = not nearer
     here = depths[0] - _inverse_depth(second, plain[0], plane, cone, x, y)
     return _crossing(here, depths[1] - _inverse_depth(first, plain[1], plane, cone, p, q))
 
