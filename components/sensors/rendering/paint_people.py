@@ -23,6 +23,7 @@ from components.sensors.rendering.light import (
     scaled,
     shortening,
 )
+from components.sensors.rendering.tube import Tube, normal_of, tube_of
 from crowdcosim.avatar import CAPSULES
 from crowdcosim.body import SEGMENTS
 
@@ -87,7 +88,7 @@ def paint_limb(
     shorter = shortening(x + 0.5 * len(depth) * step, y)
     there, rise = 1.0 / depth[0], x * up[0] + y * up[1] + up[2]
     haze = haziness(there * there * (x * x + y * y + 1.0 - rise * rise))
-    tube = _tube(cone, k, c)
+    tube = tube_of(cone, k, c)
     if c in (_LEFT_TRUNK, _RIGHT_TRUNK, _PELVIS):
         oval = _oval(cone, k, ahead, _left(up, ahead))
         _trunk(tube, oval, light, step, x, y, floor, shorter, c == _PELVIS, jacket, untucked, depth, one, two)
@@ -101,47 +102,6 @@ def paint_limb(
     else:
         _limb(tube, light, step, x, y, floor, shorter, depth, one)
         put_blend(line, one, one, own, (0.0, 0.0, 0.0), light.haze, haze)
-
-
-class Tube(NamedTuple):
-    """A limb from its end a along e, with what its pixels have in common."""
-
-    ax: float
-    ay: float
-    az: float
-    ex: float
-    ey: float
-    ez: float
-    p: float
-    """radius at a [m]"""
-    fx: float
-    """of a point x, f.x - shift is how far it is along e"""
-    fy: float
-    fz: float
-    shift: float
-    thick: float
-    """one over the radius at a [1/m]"""
-    thinner: float
-    """what is added to it at the other end"""
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _tube(cone: Array, k: int, c: int) -> Tube:
-    ax, ay, az, p, q = cone[k, c, 0], cone[k, c, 1], cone[k, c, 2], cone[k, c, 3], cone[k, c, 7]
-    ex, ey, ez, taper = cone[k, c, 4] - ax, cone[k, c, 5] - ay, cone[k, c, 6] - az, p - q
-    per = 1.0 / (ex * ex + ey * ey + ez * ez - taper * taper)
-    shift = (ax * ex + ay * ey + az * ez + p * taper) * per
-    thick = 1.0 / p
-    return Tube(ax, ay, az, ex, ey, ez, p, ex * per, ey * per, ez * per, shift, thick, 1.0 / q - thick)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _normal(tube: Tube, x: float, y: float, z: float) -> tuple[float, float, float, float, float]:
-    """Of the point z (x, y, 1): the unit normal, how far along the tube it is, 0 to 1, and one over the radius."""
-    s = min(max(z * (x * tube.fx + y * tube.fy + tube.fz) - tube.shift, 0.0), 1.0)
-    thin = tube.thick + s * tube.thinner
-    nx, ny, nz = x * z - tube.ax - s * tube.ex, y * z - tube.ay - s * tube.ey, z - tube.az - s * tube.ez
-    return nx * thin, ny * thin, nz * thin, s, thin
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -165,7 +125,7 @@ def _limb(
     """How bright the pixels of a limb of one colour are."""
     for i in range(len(depth)):
         here, z = x + i * step, 1.0 / depth[i]
-        nx, ny, nz, _, _ = _normal(tube, here, y, z)
+        nx, ny, nz, _, _ = normal_of(tube, here, y, z)
         tone[i] = brightness(light, nx, ny, nz, here, y, shorter) * _low(floor, light.up, here, y, z)
 
 
@@ -222,7 +182,7 @@ def _trunk(
     shirt, open_ = pelvis and untucked, jacket and not pelvis
     for i in range(len(depth)):
         here, z = x + i * step, 1.0 / depth[i]
-        nx, ny, nz, s, _ = _normal(tube, here, y, z)
+        nx, ny, nz, s, _ = normal_of(tube, here, y, z)
         t, pixel = s * along, z * step
         forth = z * (here * ahead[0] + y * ahead[1] + ahead[2]) - oval.ahead_start - t * oval.ahead_change
         aside = z * (here * left[0] + y * left[1] + left[2]) - oval.left_start - t * oval.left_change
@@ -269,7 +229,7 @@ def _detailed(
 ) -> tuple[float, Colour]:
     """How bright a pixel of a head, a neck under long hair or a foot is, and its colour."""
     up, pixel = light.up, z * step
-    nx, ny, nz, _, thin = _normal(tube, x, y, z)
+    nx, ny, nz, _, thin = normal_of(tube, x, y, z)
     shade = brightness(light, nx, ny, nz, x, y, shorter) * _low(floor, up, x, y, z)
     if c == _HEAD:
         size = tube.thick + tube.thinner
