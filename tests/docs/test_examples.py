@@ -25,6 +25,7 @@ def blocks(page: Path) -> list[tuple[str, str]]:
     return BLOCK.findall(page.read_text())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_example_of_the_page_runs(page: Path, tmp_path: Path) -> None:
     ran = 0
@@ -62,6 +63,7 @@ def test_the_certificates_of_the_remote_page_let_a_component_in(tmp_path: Path) 
     bus.close()
 
 
+@pytest.mark.slow
 def test_every_example_of_the_python_page_runs(tmp_path: Path) -> None:
     examples = [text for language, text in blocks(ROOT / "docs" / "python.md") if language == "python"]
     for text in examples:

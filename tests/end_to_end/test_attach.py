@@ -102,6 +102,7 @@ def test_command_lines_of_the_orchestrators_own_get_in_while_users_are_asked_for
     assert outcome.code == 0, outcome.stderr
 
 
+@pytest.mark.slow
 def test_who_is_refused_and_who_waited_in_vain_both_say_why(crowdcosim, scenario, papers) -> None:
     endpoint = free_endpoint()
     path = scenario(attach(endpoint) + "deadlines: {start: 6}\n")
@@ -172,6 +173,7 @@ def listeners(within: list[str]) -> set[str]:
     return {row[1].partition(":")[0] for row in rows if len(row) > 3 and row[3] == "0A"}
 
 
+@pytest.mark.slow
 def test_a_controller_on_another_machine_drives_and_one_with_a_wrong_key_is_refused(
     crowdcosim, scenario, papers, machines
 ) -> None:

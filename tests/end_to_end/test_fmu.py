@@ -79,6 +79,7 @@ def test_building_without_a_compiler(crowdcosim) -> None:
     assert "Traceback" not in outcome.stderr
 
 
+@pytest.mark.slow
 @has_compiler
 def test_native_motors_and_both_fmus_give_the_same_log(crowdcosim, scenario) -> None:
     """Also in a process of its own, and with a file in the place of the built-in one."""

@@ -119,6 +119,7 @@ def test_a_log_becomes_a_rosbag2_folder_and_tables(crowdcosim, log: Path) -> Non
     assert "did you mean 'csv'?" in wrong.stderr
 
 
+@pytest.mark.slow
 def test_a_log_can_be_published_again_under_the_keys_of_the_run(crowdcosim, log: Path) -> None:
     process = crowdcosim.start("replay", str(log), "--realtime", "5", "--listen", "tcp/127.0.0.1:17447", "--wait", "8")
     config = zenoh.Config()

@@ -74,7 +74,7 @@ def test_profile_and_library_must_be_there(tmp_path: Path) -> None:
     assert any("profile is ''" in fault for fault in other(tmp_path / "a", lambda w: None, profile=""))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(share=st.floats(0.0, 1.0))
 def test_of_a_log_that_is_cut_anywhere_every_complete_chunk_is_saved(
     whole: bytes, tmp_path_factory: pytest.TempPathFactory, share: float
@@ -99,7 +99,7 @@ def test_of_a_log_that_is_cut_anywhere_every_complete_chunk_is_saved(
     assert result.messages >= min(len(CLOCKS), int(share * len(CLOCKS)) - 3 * 4_369)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(place=st.floats(0.0, 1.0, exclude_max=True), flip=st.integers(1, 255))
 def test_a_log_with_a_broken_byte_is_read_without_a_crash(
     whole: bytes, tmp_path_factory: pytest.TempPathFactory, place: float, flip: int
