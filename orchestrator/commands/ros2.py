@@ -10,6 +10,7 @@ from rich.console import Console
 
 from orchestrator.commands.tables import metrics_table
 from orchestrator.errors import InputError
+from orchestrator.scenario.scenario import load
 from orchestrator.session import Session
 
 
@@ -39,18 +40,15 @@ def serve_ros2(
         raise InputError(f"ROS 2 needs {error.name}: pip install 'crowdcosim[ros2]'") from None
 
     console = Console(highlight=False, soft_wrap=True, stderr=as_json)
-    with Session(scenario, settings, real_time=real_time, record=out) as first_look:
-        commanded = robots or [robot.name for robot in first_look.scenario.robots]
-        if not commanded:
-            raise InputError(f"{scenario} has no robots: there is nothing for ROS 2 to drive")
-        first_look.load(scenario, settings, commanded=commanded)
-        session = first_look
+    commanded = robots or [robot.name for robot in load(scenario, settings).robots]
+    if not commanded:
+        raise InputError(f"{scenario} has no robots: there is nothing for ROS 2 to drive")
+    with Session(scenario, settings, commanded=commanded, real_time=real_time, record=out) as session:
         node = Ros2Node(endpoint, domain=domain)
         try:
             role = "the router" if node.is_router else "a client of the router"
             console.print(f"{role} at {endpoint}, domain {domain}; {', '.join(commanded)} waits for commands")
-            gateway = Gateway(session, node)
-            gateway.run(None if real_time else Waiting(first=first, next=wait))
+            Gateway(session, node).run(None if real_time else Waiting(first=first, next=wait))
         finally:
             node.close()
         result = session.result

@@ -69,13 +69,12 @@ class Gateway:
         self._last = dict.fromkeys(session.commanded, Twist())
         self._commanded = False
 
-    def run(self, waiting: Waiting | None, stopped: Callable[[], bool] = lambda: False) -> None:
+    def run(self, waiting: Waiting | None) -> None:
         """Go on until the episode is over.
 
         Args:
             waiting: wait in every step for the command that answers it; None goes on at the session's pace and takes
                 the newest command that is there.
-            stopped: asked in every step whether to end here.
 
         Raises:
             RunError: if a command does not come in time.
@@ -83,7 +82,7 @@ class Gateway:
         scenario = self._session.scenario
         for record in (*static_records(scenario), world_record(scenario.world, scenario.robots)):
             self._publish_record(record)
-        while not (self._session.over or stopped()):
+        while not self._session.over:
             self._show(self._session.view)
             self._take(waiting)
             self._session.step(self._last if self._session.commanded else None)
@@ -142,7 +141,7 @@ class Gateway:
         now = round(view.time * 1e9)
         if view.crowd is not None:
             self._publish("/crowd", view.crowd, now)
-            self._send("/people", PEOPLE_TYPE, types().hash_rihs01(PEOPLE_TYPE), people(view.crowd), now)
+            self._send("/people", PEOPLE_TYPE, people(view.crowd), now)
             self._publish_record(people_record(view.crowd, now))
         states: list[RobotState] = []
         for robot, seen in view.robots.items():
@@ -176,15 +175,15 @@ class Gateway:
         return f"/{name}" if len(self._session.scenario.robots) == 1 else f"/{robot}/{name}"
 
     def _publish(self, topic: str, message: Message, time_ns: int) -> None:
-        self._send(topic, message.TYPE, type_hash(message.TYPE), encode(message), time_ns)
+        self._send(topic, message.TYPE, encode(message), time_ns)
 
     def _publish_record(self, record: Record) -> None:
-        typename = _CHANNELS[record.topic].type
-        self._send(record.topic, typename, type_hash(typename), record.payload, record.time)
+        self._send(record.topic, _CHANNELS[record.topic].type, record.payload, record.time)
 
-    def _send(self, topic: str, typename: str, hash_: str, payload: bytes, time_ns: int) -> None:
+    def _send(self, topic: str, typename: str, payload: bytes, time_ns: int) -> None:
         if topic not in self._publishers:
             latched = topic in _CHANNELS and _CHANNELS[topic].latched
+            hash_ = types().hash_rihs01(typename)
             self._publishers[topic] = self._node.publisher(topic, typename, hash_, latched=latched)
         self._publishers[topic].publish(payload, time_ns)
 
