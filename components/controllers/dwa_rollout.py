@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from components.controllers.dwa import window
 from components.controllers.ego import Ego, Way, command, ego_of, way_to
+from components.controllers.options import require_not_negative, require_positive
 from components.controllers.sight import PeopleOrScan, Sight
 from components.controllers.surroundings import Discs, discs_of, frozen, nearest_image, nearest_on_segment
 from crowdcosim import Controller, Setup
@@ -75,12 +76,8 @@ class CrowdBotConfig:
 
     def __post_init__(self) -> None:
         positive = ("max_speed", "max_turn_rate", "max_acceleration", "max_angular_acceleration", "speed_resolution")
-        for name in (*positive, "turn_rate_resolution", "step", "horizon"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
-        for name in ("goal_gain", "speed_gain", "obstacle_gain", "contact", "sight"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected zero or more")
+        require_positive(self, *positive, "turn_rate_resolution", "step", "horizon")
+        require_not_negative(self, "goal_gain", "speed_gain", "obstacle_gain", "contact", "sight")
         if not self.min_speed <= 0:
             raise ValueError(f"min_speed is {self.min_speed}, expected zero or a negative number")
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from components.controllers.differential import limits_of
 from components.controllers.ego import Ego, Way, command, ego_of, way_to
 from components.controllers.optimal_control import OMEGA, THETA, OptimalControl, Shape, V, Weights, X, Y
+from components.controllers.options import require_not_negative, require_positive
 from components.controllers.prediction import Horizon, Prediction, Predictor, Tracks
 from components.controllers.sight import People, Sight
 from components.controllers.starting_plans import (
@@ -83,12 +84,8 @@ class Config:
     """time between two of them [s]"""
 
     def __post_init__(self) -> None:
-        for name in ("margin", "proximity"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected zero or more")
-        for name in ("steepness", "stage"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
+        require_not_negative(self, "margin", "proximity")
+        require_positive(self, "steepness", "stage")
         if not self.people >= 0:
             raise ValueError(f"people is {self.people}, expected zero or more")
         if not self.stages >= 2:

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from components.controllers.differential import Limits, Motion, advance, limits_of
 from components.controllers.ego import TURN_GAIN, Ego, command, ego_of, way_to
+from components.controllers.options import require_not_negative, require_positive
 from components.controllers.prediction import Horizon, Prediction, Predictor, Tracks
 from components.controllers.sight import People, Sight
 from components.controllers.surroundings import frozen, nearest_on_segment, walls_near
@@ -87,12 +88,8 @@ class Config:
     """G, cost per metre of falling behind"""
 
     def __post_init__(self) -> None:
-        for name in ("step", "knot", "temperature"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
-        for name in ("speed_noise", "turn_noise", "collision", "proximity", "margin", "goal"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected zero or more")
+        require_positive(self, "step", "knot", "temperature")
+        require_not_negative(self, "speed_noise", "turn_noise", "collision", "proximity", "margin", "goal")
         if not self.samples >= 0:
             raise ValueError(f"samples is {self.samples}, expected zero or more")
         if not self.steps >= 2:

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from components.controllers.differential import drive, without_retreat
 from components.controllers.ego import Ego, command, ego_of, heading_error, turn, way_to
+from components.controllers.options import require_not_negative, require_positive
 from components.controllers.sight import People, Sight
 from components.controllers.surroundings import Discs, discs_of, frozen, nearest_image, nearest_on_segment
 from crowdcosim import Controller, Setup
@@ -62,12 +63,8 @@ class Config:
     """how far neighbours are felt, from centre to centre [m]"""
 
     def __post_init__(self) -> None:
-        for name in ("relaxation", "length", "anticipation", "wall_length", "range"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
-        for name in ("strength", "wall_strength"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected zero or more")
+        require_positive(self, "relaxation", "length", "anticipation", "wall_length", "range")
+        require_not_negative(self, "strength", "wall_strength")
 
 
 class Forces(NamedTuple):

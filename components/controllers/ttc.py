@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from components.controllers.differential import Limits, Motion, advance, limits_of
 from components.controllers.ego import TURN_GAIN, Ego, command, ego_of, heading_error, turn, way_to
+from components.controllers.options import require_not_negative, require_positive
 from components.controllers.prediction import Horizon, Prediction, Predictor, Tracks
 from components.controllers.sight import People, Sight
 from components.controllers.surroundings import frozen, nearest_on_segment, walls_near
@@ -71,12 +72,8 @@ class Config:
     """h, cost of turning round"""
 
     def __post_init__(self) -> None:
-        for name in ("horizon", "decay"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
-        for name in ("urgency", "clearance", "steadiness"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected zero or more")
+        require_positive(self, "horizon", "decay")
+        require_not_negative(self, "urgency", "clearance", "steadiness")
 
 
 class Charges(NamedTuple):

@@ -14,29 +14,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from pydantic import Field
 
 from components.sensors.imperfections import (
-    Bias,
     Chain,
-    Drift,
-    Dropout,
-    Gaussian,
-    MixedPixels,
-    Quantisation,
-    RangeDependent,
     Signal,
-    Spikes,
 )
 from components.sensors.rendering.picture import ROBOT_NUMBERS, Picture, Renderer
 from components.sensors.rendering.view import View, focal_length, view_of
 from components.sensors.surroundings import Surroundings, people_of
-from components.sensors.timing import Delivery, Latency, MessageLoss, RateJitter, require_rate
+from components.sensors.timing import BeamKind, Delivery, require_rate
 from crowdcosim.component import Sensor
 from crowdcosim.messages import CameraInfo, Crowd, Header, Image, RobotState
 from crowdcosim.robots import Mount, RobotModel
@@ -45,21 +36,6 @@ from crowdcosim.setup import Setup, nanoseconds_of
 _DEFAULT_MOUNT = Mount(position=(0.0, 0.0, 1.0))
 _MILLIMETRES = 1000.0
 _FARTHEST_16 = 65.535
-
-Imperfection = Annotated[
-    Gaussian
-    | RangeDependent
-    | Bias
-    | Drift
-    | Spikes
-    | Quantisation
-    | MixedPixels
-    | Dropout
-    | Latency
-    | RateJitter
-    | MessageLoss,
-    Field(discriminator="kind"),
-]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +60,7 @@ class Config:
     """that draw one picture, each a band of its rows; the picture is the same"""
     rate: float | None = None
     """pictures per second, at most one per step; null: one per step [Hz]"""
-    imperfections: tuple[Imperfection, ...] = ()
+    imperfections: tuple[BeamKind, ...] = ()
     """what is wrong with the depth, in this order, and with the time of all images"""
 
     def __post_init__(self) -> None:

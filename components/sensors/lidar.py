@@ -14,26 +14,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field
 
 from components.sensors.imperfections import (
-    Bias,
     Chain,
-    Drift,
-    Dropout,
-    Gaussian,
-    MixedPixels,
-    Quantisation,
-    RangeDependent,
     Signal,
-    Spikes,
 )
 from components.sensors.scan import Beams, Hits, scan, tell
 from components.sensors.surroundings import Surroundings, people_of, pose_of
-from components.sensors.timing import Delivery, Latency, MessageLoss, RateJitter, require_rate
+from components.sensors.timing import BeamKind, Delivery, require_rate
 from crowdcosim.component import Sensor
 from crowdcosim.messages import BeamAgents, Crowd, Header, LaserScan, RobotState
 from crowdcosim.robots import Mount, RobotModel
@@ -42,21 +33,6 @@ from crowdcosim.setup import Setup, nanoseconds_of
 # A full circle may be written as 6.283.
 _ROUNDED = 1e-3
 _DEFAULT_MOUNT = Mount(position=(0.0, 0.0, 0.3))
-
-Imperfection = Annotated[
-    Gaussian
-    | RangeDependent
-    | Bias
-    | Drift
-    | Spikes
-    | Quantisation
-    | MixedPixels
-    | Dropout
-    | Latency
-    | RateJitter
-    | MessageLoss,
-    Field(discriminator="kind"),
-]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +55,7 @@ class Config:
     """what a beam tells that meets nothing; range_max is what the simulator of "Crowd against the machine" told"""
     rate: float | None = None
     """scans per second, at most one per step; null: one per step [Hz]"""
-    imperfections: tuple[Imperfection, ...] = ()
+    imperfections: tuple[BeamKind, ...] = ()
     """what is wrong with the scans, in this order"""
 
     def __post_init__(self) -> None:

@@ -15,7 +15,18 @@ from typing import Annotated, Generic, Literal, TypeVar
 
 from pydantic import Field
 
-from components.sensors.imperfections import require_not_negative, require_probability
+from components.sensors.imperfections import (
+    Bias,
+    Drift,
+    Dropout,
+    Gaussian,
+    MixedPixels,
+    Quantisation,
+    RangeDependent,
+    Spikes,
+    require_not_negative,
+    require_probability,
+)
 from components.sensors.random_numbers import key_of, normal, uniform
 from crowdcosim.setup import Setup
 
@@ -63,6 +74,21 @@ class MessageLoss:
 
 
 TimingKind = Annotated[Latency | RateJitter | MessageLoss, Field(discriminator="kind")]
+BeamKind = Annotated[
+    Gaussian
+    | RangeDependent
+    | Bias
+    | Drift
+    | Spikes
+    | Quantisation
+    | MixedPixels
+    | Dropout
+    | Latency
+    | RateJitter
+    | MessageLoss,
+    Field(discriminator="kind"),
+]
+"""what may be wrong with readings that have neighbours, the beams of a scan or the pixels of a depth image"""
 
 
 def require_rate(config: object) -> None:

@@ -9,6 +9,7 @@ from crowdcosim.crowdbot.recorder import save_dico
 from crowdcosim.crowdbot.state import texts
 from crowdcosim.messages import RobotState
 from orchestrator.errors import InputError
+from orchestrator.log.folder import make_folder
 from orchestrator.log.reader import Log
 
 
@@ -21,12 +22,7 @@ def to_crowdbot(log: Log, folder: Path) -> list[Path]:
     robots = [component for component, port in log.places.values() if port == "state"]
     if not robots:
         raise InputError(f"{log.path} has no robots, and the module's recorder is about one")
-    try:
-        folder.mkdir(parents=True)
-    except FileExistsError:
-        raise InputError(f"{folder} already exists; choose another --out, or remove it first") from None
-    except OSError as error:
-        raise InputError(f"cannot write {folder}: {error.strerror}") from None
+    make_folder(folder)
     crowds, written = dict(log.outputs("crowd", "crowd")), []
     for robot in robots:
         contacts = dict(log.outputs(robot, "contacts"))

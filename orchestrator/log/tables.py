@@ -12,7 +12,7 @@ import polars as pl
 from crowdcosim.cdr import decode, seconds
 from crowdcosim.message import Message, field_names
 from crowdcosim.messages import MESSAGES, Header, Image, PointCloud2
-from orchestrator.errors import InputError
+from orchestrator.log.folder import make_folder
 from orchestrator.log.reader import Log
 
 Form = Literal["csv", "parquet"]
@@ -32,12 +32,7 @@ def to_tables(log: Log, folder: Path, form: Form) -> list[Path]:
     Raises:
         InputError: if the folder exists or cannot be written.
     """
-    try:
-        folder.mkdir(parents=True)
-    except FileExistsError:
-        raise InputError(f"{folder} already exists; choose another --out, or remove it first") from None
-    except OSError as error:
-        raise InputError(f"cannot write {folder}: {error.strerror}") from None
+    make_folder(folder)
     written = []
     for topic, name in log.types.items():
         if name in MESSAGES and name not in _PICTURES:
